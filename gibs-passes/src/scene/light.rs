@@ -1,0 +1,68 @@
+//! Lights that are not surfaces: punctual lights, the sun, the sky.
+use super::NodeId;
+use glam::{DVec3, Vec3};
+
+/// A punctual light in a node: at the node's origin, shining along the node's -z (KHR_lights_punctual).
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// Node that carries it.
+    pub node: NodeId,
+    /// Shape.
+    pub kind: LightKind,
+    /// Point and spot: radiant intensity, W/sr. Directional: irradiance, W/m^2.
+    pub intensity: Vec3,
+}
+
+/// Shape of a punctual light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// From infinitely far.
+    Directional,
+    /// All directions.
+    Point,
+    /// A cone; half angles in radians.
+    Spot {
+        /// Full intensity within.
+        inner: f32,
+        /// None beyond.
+        outer: f32,
+    },
+}
+
+/// The sun of a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Direction in which its light travels, of unit length.
+    pub direction: DVec3,
+    /// W/m^2 on a surface that faces it.
+    pub irradiance: Vec3,
+}
+
+/// What a ray sees that leaves the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Environment {
+    /// The same radiance from everywhere, W/(m^2 sr).
+    Constant(Vec3),
+    /// A latitude-longitude map.
+    Map(EnvironmentMap),
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self::Constant(Vec3::ZERO)
+    }
+}
+
+/// A latitude-longitude radiance map. The left edge is -z, a quarter of the way is +x, the middle is +z; the top row
+/// is +y: direction d is read at u = atan2(d.x, -d.z) / 2 pi (mod 1), v = acos(d.y) / pi.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvironmentMap {
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// `width * height` radiances, scale already applied, W/(m^2 sr).
+    pub texels: Vec<Vec3>,
+    /// Rotation of the map about +y, radians.
+    pub rotation_y: f64,
+}
