@@ -1,1 +1,40 @@
-//! placeholder
+//! A graph of typed compute stages, compiled to a schedule that any backend can run.
+//!
+//! A frame is recorded with [`Graph`]: resources are [`Buffer`] handles, and each handle is one *version* of a
+//! resource. Stages, declared with [`stage!`], borrow the handles that they read and consume the handles that they
+//! write, giving back the next version; so a stale read or a double write does not compile. [`Graph::compile`] turns
+//! the recording into a [`Schedule`]: dead stages removed, the rest ordered, hazards found. A [`Backend`] makes a
+//! schedule into an [`Executable`], which runs frames.
+//!
+//! This crate knows no device, no shader tool and no rendering: kernels are data ([`KernelSource`]), and shaders are
+//! checked through the [`ShaderCompiler`] trait.
+mod backend;
+mod compile;
+mod element;
+mod error;
+mod export;
+mod graph;
+mod handle;
+mod kernel;
+mod port;
+mod schedule;
+mod shader;
+mod stage;
+mod view;
+
+pub use backend::{Backend, BackendError, DeviceInfo, Executable, StepTime, check_range};
+pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
+pub use error::{GraphError, GraphErrors};
+pub use graph::{Dispatch, Graph, Initial, Kind, MAX_GROUPS, Recorder, groups_for};
+pub use handle::{Buffer, Previous, State};
+pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
+pub use port::{Access, Port};
+pub use schedule::{
+    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Output, Resource, ResourceId, Schedule, Step,
+    Usage,
+};
+pub use shader::ShaderCompiler;
+pub use stage::{Stage, next_view};
+pub use view::{AtomicView, RawView, ReadView, WriteMap, WriteView};
+
+pub use bytemuck;

@@ -8,13 +8,19 @@ mod light;
 mod material;
 mod mesh;
 mod pose;
+mod skinning;
+#[cfg(test)]
+mod tests;
+mod validate;
 
-pub use animation::{Animation, Channel, Interpolation, Keyframes};
+pub use animation::{Animation, Channel, Interpolation, Keyframes, Sample};
 pub use camera::Camera;
 pub use light::{Environment, EnvironmentMap, Light, LightKind, Sun};
 pub use material::{AlphaMode, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Mesh, SkinVertex};
 pub use pose::Pose;
+pub use skinning::SkinnedMesh;
+pub use validate::SceneDataError;
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -28,7 +34,7 @@ pub struct Scene {
     pub name: String,
     /// Triangle meshes. A glTF primitive is one mesh here.
     pub meshes: Vec<Mesh>,
-    /// Materials that [`Mesh::material`] indexes. Never empty after [`Scene::normalize`].
+    /// Materials that [`Mesh::material`] indexes. Never empty after [`Scene::validate`].
     pub materials: Vec<Material>,
     /// Decoded images.
     pub textures: Vec<Texture>,

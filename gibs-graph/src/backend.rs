@@ -1,0 +1,217 @@
+//! What a backend is.
+use crate::{ResourceId, Schedule};
+use serde::Serialize;
+use std::any::Any;
+use std::sync::Arc;
+use std::time::Duration;
+use thiserror::Error;
+
+/// Runs schedules on some device.
+pub trait Backend {
+    /// Short name: `cpu`, `wgpu`, `vulkan`.
+    fn name(&self) -> &str;
+
+    /// The device behind it.
+    fn device(&self) -> &DeviceInfo;
+
+    /// Allocates everything that `schedule` needs and builds its kernels. With `adopt`, the content of every
+    /// persistent resource that [`Schedule::adoptions`] names is taken over from that executable, which must come
+    /// from the same backend; any other persistent resource starts from its initial value (inputs: zero).
+    ///
+    /// # Errors
+    /// A kernel that the device refuses, a limit that the schedule exceeds, not enough memory.
+    fn prepare(
+        &self,
+        schedule: Arc<Schedule>,
+        adopt: Option<Box<dyn Executable>>,
+    ) -> Result<Box<dyn Executable>, BackendError>;
+}
+
+/// A schedule that is ready to run.
+///
+/// Calls take effect in order: an upload before [`Executable::run`] is seen by that frame.
+pub trait Executable: Any {
+    /// The schedule.
+    fn schedule(&self) -> &Arc<Schedule>;
+
+    /// Replaces bytes of a resource from `offset` on, in bytes. Of a history, the current allocation.
+    ///
+    /// # Errors
+    /// Out of range, or the device failed.
+    fn upload(&mut self, resource: ResourceId, offset: u64, bytes: &[u8]) -> Result<(), BackendError>;
+
+    /// Runs one frame.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn run(&mut self) -> Result<(), BackendError>;
+
+    /// Runs one step of the frame alone, without clearing or rotating anything else. For lockstep checks.
+    ///
+    /// # Errors
+    /// As [`Executable::run`].
+    fn run_step(&mut self, step: usize) -> Result<(), BackendError>;
+
+    /// Waits for all work and returns the bytes of a resource; of a history, the value that the last frame made.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError>;
+
+    /// Sets every state and history to its initial value.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn reset(&mut self) -> Result<(), BackendError>;
+
+    /// Waits for all work that was started.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn wait(&mut self) -> Result<(), BackendError>;
+
+    /// Turns measuring time per step on or off.
+    fn measure(&mut self, on: bool);
+
+    /// Time per step of the last frame that finished while measuring; `None` where nothing was measured. Waits for it.
+    ///
+    /// # Errors
+    /// The device failed.
+    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError>;
+
+    /// For adoption.
+    fn into_any(self: Box<Self>) -> Box<dyn Any>;
+}
+
+/// Time that one step took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct StepTime {
+    /// Index into [`Schedule::steps`].
+    pub step: usize,
+    /// From start to end on the device.
+    pub time: Duration,
+}
+
+/// What a backend runs on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DeviceInfo {
+    /// Device name, as the driver gives it.
+    pub name: String,
+    /// Driver and version.
+    pub driver: String,
+    /// `cpu`, `integrated`, `discrete`, `virtual` or `software`.
+    pub kind: String,
+    /// Time per step can be measured on the device.
+    pub timestamps: bool,
+    /// Rays can be traced by hardware.
+    pub ray_query: bool,
+    /// Largest storage binding, bytes.
+    pub max_binding: u64,
+    /// Storage buffers that one stage may bind.
+    pub max_storage_buffers: u32,
+    /// Anything else worth knowing, such as SIMD width or thread count.
+    pub notes: Vec<String>,
+}
+
+/// What a backend can fail with.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BackendError {
+    /// The backend is not there.
+    #[error("the {backend} backend is not available: {reason}; {remedy}")]
+    Unavailable {
+        /// Backend.
+        backend: String,
+        /// What was missing.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A limit of the device is exceeded.
+    #[error("{what} needs {need}, the device `{device}` allows {limit}; {remedy}")]
+    Limit {
+        /// Stage or resource.
+        what: String,
+        /// What is needed.
+        need: u64,
+        /// What is allowed.
+        limit: u64,
+        /// Device.
+        device: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A kernel could not be built.
+    #[error("stage `{stage}`: {message}")]
+    Kernel {
+        /// Stage.
+        stage: String,
+        /// What the compiler or the driver said.
+        message: String,
+    },
+    /// Memory ran out.
+    #[error("out of memory on `{device}` allocating {bytes} bytes for `{resource}`; use fewer surfels, a smaller size or another backend")]
+    OutOfMemory {
+        /// Device.
+        device: String,
+        /// Resource.
+        resource: String,
+        /// Bytes asked for.
+        bytes: u64,
+    },
+    /// The device failed or was lost.
+    #[error("the device `{device}` failed: {message}")]
+    Device {
+        /// Device.
+        device: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// The caller asked for bytes that are not there.
+    #[error("`{resource}` has {bytes} bytes, {offset}..{end} was asked for")]
+    Range {
+        /// Resource.
+        resource: String,
+        /// Its size.
+        bytes: u64,
+        /// First byte asked for.
+        offset: u64,
+        /// End of the bytes asked for.
+        end: u64,
+    },
+    /// The executable to adopt from belongs to another backend.
+    #[error("state can only be adopted from an executable of the {backend} backend itself")]
+    ForeignExecutable {
+        /// Backend.
+        backend: String,
+    },
+    /// Two workgroups wrote one element; found in the CPU backend's checking mode.
+    #[error("stage `{stage}`, port `{port}`: two workgroups wrote the bytes at {offset}")]
+    WriteConflict {
+        /// Stage.
+        stage: String,
+        /// Port.
+        port: String,
+        /// Byte offset in the resource.
+        offset: u64,
+    },
+}
+
+/// Checks an upload against the size of a resource.
+///
+/// # Errors
+/// [`BackendError::Range`].
+pub fn check_range(schedule: &Schedule, resource: ResourceId, offset: u64, len: usize) -> Result<(), BackendError> {
+    let Some(found) = schedule.resources.get(resource as usize) else {
+        return Err(BackendError::Range { resource: format!("#{resource}"), bytes: 0, offset, end: offset });
+    };
+    match offset.checked_add(len as u64) {
+        Some(end) if end <= found.bytes => Ok(()),
+        end => Err(BackendError::Range {
+            resource: found.key.clone(),
+            bytes: found.bytes,
+            offset,
+            end: end.unwrap_or(u64::MAX),
+        }),
+    }
+}

@@ -1,0 +1,77 @@
+//! A schedule as DOT, JSON and text.
+use crate::schedule::{Action, DispatchSize};
+use crate::{Access, Schedule};
+use std::fmt::Write;
+
+impl Schedule {
+    /// Graphviz DOT: stages in clusters by group, edges named by resource.
+    pub fn to_dot(&self) -> String {
+        let mut dot = format!("digraph \"{}\" {{\n  rankdir=TB;\n  node [shape=box, style=rounded];\n", self.name);
+        let mut groups: Vec<&str> = Vec::new();
+        for step in &self.steps {
+            if !groups.contains(&step.group()) {
+                groups.push(step.group());
+            }
+        }
+        for (n, group) in groups.iter().enumerate() {
+            let _ = writeln!(dot, "  subgraph cluster_{n} {{\n    label=\"{group}\";");
+            for (i, step) in self.steps.iter().enumerate().filter(|(_, s)| s.group() == *group) {
+                let _ = writeln!(dot, "    s{i} [label=\"{}\"];", step.label);
+            }
+            dot.push_str("  }\n");
+        }
+        for &(from, to, resource) in &self.edges {
+            let key = &self.resources[resource as usize].key;
+            let _ = writeln!(dot, "  s{from} -> s{to} [label=\"{key}\"];");
+        }
+        dot.push_str("}\n");
+        dot
+    }
+
+    /// The whole schedule as JSON.
+    ///
+    /// # Errors
+    /// None in practice: every part is plain data.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self)
+    }
+
+    /// One line per step, with bindings and barriers.
+    pub fn to_text(&self) -> String {
+        let mut text = format!(
+            "{}: {} steps, {} resources, {:.1} MB\n",
+            self.name,
+            self.steps.len(),
+            self.resources.len(),
+            self.bytes(false) as f64 / 1e6
+        );
+        for (i, step) in self.steps.iter().enumerate() {
+            let barrier = if step.hazards.is_empty() { ' ' } else { '|' };
+            let _ = write!(text, "{i:3} {barrier} {:<40}", step.label);
+            if let Action::Dispatch(dispatch) = &step.action {
+                let _ = match dispatch.size {
+                    DispatchSize::Groups([x, y, z]) => write!(text, " {:>12}", format!("{x}x{y}x{z}")),
+                    DispatchSize::Indirect(r) => write!(text, " {:>12}", self.resources[r as usize].key),
+                };
+                for binding in &dispatch.bindings {
+                    let mark = match binding.access {
+                        Access::Uniform => "u",
+                        Access::Read => "r",
+                        Access::Write => "w",
+                        Access::ReadWrite => "rw",
+                        Access::Atomic => "a",
+                        Access::Previous => "p",
+                        Access::HostOnly => "h",
+                        Access::Indirect => "i",
+                    };
+                    let _ = write!(text, " {mark}:{}", self.resources[binding.resource as usize].key);
+                }
+            }
+            text.push('\n');
+        }
+        for label in &self.removed {
+            let _ = writeln!(text, "    removed: {label} (nothing needs it)");
+        }
+        text
+    }
+}

@@ -1,0 +1,52 @@
+//! Ports: how a stage touches a resource.
+use crate::Layout;
+use serde::Serialize;
+
+/// One port of a stage. Everything else about the binding follows from it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Port {
+    /// Name, also that of the WGSL global.
+    pub name: &'static str,
+    /// How it is touched.
+    pub access: Access,
+    /// Type of one element.
+    pub element: Layout,
+}
+
+/// How a stage touches a resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+pub enum Access {
+    /// First element, through `var<uniform>`.
+    Uniform,
+    /// `var<storage, read>`.
+    Read,
+    /// `var<storage, read_write>`, only written.
+    Write,
+    /// `var<storage, read_write>`, read and written.
+    ReadWrite,
+    /// `var<storage, read_write>` of atomics, which workgroups may contend for.
+    Atomic,
+    /// The value of the frame before, `var<storage, read>`.
+    Previous,
+    /// Seen by the wide CPU kernel only; no device binding exists.
+    HostOnly,
+    /// Sizes of an indirect dispatch; not a binding.
+    Indirect,
+}
+
+impl Access {
+    /// The stage makes a new version of the resource.
+    pub fn writes(self) -> bool {
+        matches!(self, Access::Write | Access::ReadWrite | Access::Atomic)
+    }
+
+    /// The stage depends on what is there.
+    pub fn reads(self) -> bool {
+        !matches!(self, Access::Write)
+    }
+
+    /// The stage's device kernel has a global for it.
+    pub fn is_bound(self) -> bool {
+        !matches!(self, Access::HostOnly | Access::Indirect)
+    }
+}

@@ -1,0 +1,215 @@
+//! A compiled frame: plain data that any backend can run.
+use crate::{Access, KernelSource, Kind, Layout, Port};
+use serde::Serialize;
+
+/// Index of a resource in [`Schedule::resources`].
+pub type ResourceId = u32;
+
+/// A compiled frame: what to allocate, and what to run in which order.
+#[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
+pub struct Schedule {
+    /// Name of the graph.
+    pub name: String,
+    /// Everything to allocate.
+    pub resources: Vec<Resource>,
+    /// Steps in execution order.
+    pub steps: Vec<Step>,
+    /// What the host reads after a frame.
+    pub outputs: Vec<Output>,
+    /// Labels of stages that nothing needs, and that were left out.
+    pub removed: Vec<String>,
+    /// Dependencies between steps, as `(earlier, later, resource)`.
+    pub edges: Vec<(u32, u32, ResourceId)>,
+}
+
+/// One resource.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Resource {
+    /// Key or name, unique in the schedule.
+    pub key: String,
+    /// Lifetime and first content.
+    pub kind: Kind,
+    /// Type of one element.
+    pub element: Layout,
+    /// Number of elements.
+    pub len: u64,
+    /// Bytes of one allocation; a history has two.
+    pub bytes: u64,
+    /// How stages touch it.
+    pub usage: Usage,
+}
+
+/// How the stages of a schedule touch a resource.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Usage {
+    /// Bound as a uniform.
+    pub uniform: bool,
+    /// Bound as storage.
+    pub storage: bool,
+    /// Read as sizes of an indirect dispatch.
+    pub indirect: bool,
+    /// Seen by wide CPU kernels.
+    pub host: bool,
+}
+
+impl Usage {
+    /// A device needs an allocation for it.
+    pub fn on_device(self) -> bool {
+        self.uniform || self.storage || self.indirect
+    }
+}
+
+/// One step of a frame.
+#[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
+pub struct Step {
+    /// Name in the frame, `group/stage`; for a clear, the resource's key.
+    pub label: String,
+    /// What happens.
+    pub action: Action,
+    /// Earlier work that must be finished and visible first. Empty: no barrier is needed.
+    pub hazards: Vec<Hazard>,
+}
+
+/// What a step does.
+#[derive(Clone, Debug, Serialize)]
+pub enum Action {
+    /// Sets a resource to zero.
+    Clear(ResourceId),
+    /// Runs a kernel.
+    Dispatch(Box<DispatchStep>),
+}
+
+/// A kernel, its bindings and its size.
+#[derive(Clone, Debug, Serialize)]
+pub struct DispatchStep {
+    /// Type name of the stage.
+    pub stage: &'static str,
+    /// The implementations.
+    #[serde(skip)]
+    pub kernel: KernelSource,
+    /// Ports as declared.
+    pub ports: Vec<Port>,
+    /// One binding per port, in the order of the ports.
+    pub bindings: Vec<Binding>,
+    /// How many workgroups.
+    pub size: DispatchSize,
+}
+
+/// A port bound to a resource.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Binding {
+    /// Port name.
+    pub port: &'static str,
+    /// Resource.
+    pub resource: ResourceId,
+    /// How it is touched. [`Access::Previous`] means the other allocation of a history.
+    pub access: Access,
+}
+
+/// Number of workgroups of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum DispatchSize {
+    /// Known to the host.
+    Groups([u32; 3]),
+    /// First element of a buffer of [`crate::DispatchArgs`].
+    Indirect(ResourceId),
+}
+
+/// Why a step has to wait.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Hazard {
+    /// Resource in question.
+    pub resource: ResourceId,
+    /// Earlier step.
+    pub after: u32,
+    /// What meets what.
+    pub kind: HazardKind,
+}
+
+/// Kinds of hazard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+pub enum HazardKind {
+    /// Reads what was written.
+    ReadAfterWrite,
+    /// Writes what was read.
+    WriteAfterRead,
+    /// Writes what was written.
+    WriteAfterWrite,
+}
+
+/// Something the host reads after a frame.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Output {
+    /// Name.
+    pub name: String,
+    /// Resource.
+    pub resource: ResourceId,
+}
+
+impl Schedule {
+    /// The resource with this key.
+    pub fn resource(&self, key: &str) -> Option<ResourceId> {
+        self.resources.iter().position(|r| r.key == key).map(|i| i as ResourceId)
+    }
+
+    /// The resource behind an output.
+    pub fn output(&self, name: &str) -> Option<ResourceId> {
+        self.outputs.iter().find(|o| o.name == name).map(|o| o.resource)
+    }
+
+    /// Bytes that a backend allocates for this schedule; with wide CPU data only where `host` is set.
+    pub fn bytes(&self, host: bool) -> u64 {
+        self.resources
+            .iter()
+            .filter(|r| r.usage.on_device() || host)
+            .map(|r| r.bytes * if matches!(r.kind, Kind::History(_)) { 2 } else { 1 })
+            .sum()
+    }
+
+    /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind, type and length
+    /// agree.
+    pub fn adoptions(&self, old: &Schedule) -> Vec<(ResourceId, ResourceId)> {
+        self.resources
+            .iter()
+            .enumerate()
+            .filter(|(_, new)| new.kind.persists())
+            .filter_map(|(i, new)| {
+                let j = old.resources.iter().position(|o| {
+                    o.key == new.key && o.kind == new.kind && o.element == new.element && o.len == new.len
+                })?;
+                Some((j as ResourceId, i as ResourceId))
+            })
+            .collect()
+    }
+
+    /// The dispatch steps, with their index.
+    pub fn dispatches(&self) -> impl Iterator<Item = (usize, &Step, &DispatchStep)> {
+        self.steps.iter().enumerate().filter_map(|(i, step)| match &step.action {
+            Action::Dispatch(dispatch) => Some((i, step, dispatch.as_ref())),
+            Action::Clear(_) => None,
+        })
+    }
+}
+
+impl Step {
+    /// What stands before the slash of the label.
+    pub fn group(&self) -> &str {
+        self.label.split_once('/').map_or("", |(group, _)| group)
+    }
+
+    /// Resources that the step reads and writes, as `(resource, access)`; a clear counts as a write.
+    pub fn touches(&self) -> Vec<(ResourceId, Access)> {
+        match &self.action {
+            Action::Clear(resource) => vec![(*resource, Access::Write)],
+            Action::Dispatch(d) => {
+                let mut touched: Vec<_> = d.bindings.iter().map(|b| (b.resource, b.access)).collect();
+                if let DispatchSize::Indirect(resource) = d.size {
+                    touched.push((resource, Access::Indirect));
+                }
+                touched
+            }
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! What CPU kernels see of their buffers. The one unsafe module of this crate.
+//!
+//! # The rule
+//! Workgroups of a stage run at the same time. Two workgroups never touch the same element of a [`WriteView`] unless
+//! both only read it. The executor's debug mode checks this with a [`WriteMap`]; [`AtomicView`] is free of the rule.
+//! A resource is bound at most once per stage when any port writes it (graph compilation checks this), so views of
+//! one stage never overlap.
+use crate::Element;
+use std::marker::PhantomData;
+use std::ops::Deref;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Memory of one binding, untyped.
+///
+/// Made by the executor from memory that outlives the stage's run and that nothing else touches meanwhile.
+#[derive(Clone, Copy)]
+pub struct RawView<'a> {
+    ptr: *mut u8,
+    bytes: usize,
+    map: Option<&'a WriteMap>,
+    life: PhantomData<&'a ()>,
+}
+
+// SAFETY: a RawView is only a place; who may touch it when is the rule above, kept by the views made from it.
+unsafe impl Send for RawView<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for RawView<'_> {}
+
+impl<'a> RawView<'a> {
+    /// A view of `bytes` bytes at `ptr`.
+    ///
+    /// # Safety
+    /// The memory is valid for reads and, where a writing view is made from it, writes for `'a`, aligned to 16 bytes,
+    /// initialized, and touched by nothing but views made from this value (and copies of it) during `'a`.
+    pub unsafe fn new(ptr: *mut u8, bytes: usize, map: Option<&'a WriteMap>) -> Self {
+        Self { ptr, bytes, map, life: PhantomData }
+    }
+
+    fn len_of<T>(&self) -> usize {
+        debug_assert!(self.ptr.addr().is_multiple_of(align_of::<T>()));
+        self.bytes / size_of::<T>()
+    }
+}
+
+/// Elements that a stage only reads; a slice.
+#[derive(Clone, Copy)]
+pub struct ReadView<'a, T>(&'a [T]);
+
+impl<'a, T: Element> ReadView<'a, T> {
+    /// A view of the whole binding.
+    pub fn of(raw: RawView<'a>) -> Self {
+        // SAFETY: the memory is valid and initialized for 'a (RawView::new), T is plain data of at most its
+        // alignment, and no port of the stage writes it (checked when the graph is compiled).
+        Self(unsafe { std::slice::from_raw_parts(raw.ptr.cast::<T>(), raw.len_of::<T>()) })
+    }
+
+    /// A view of a slice, for tests and for calls outside a graph.
+    pub fn of_slice(slice: &'a [T]) -> Self {
+        Self(slice)
+    }
+
+    /// The elements, for as long as the stage runs.
+    pub fn slice(self) -> &'a [T] {
+        self.0
+    }
+}
+
+impl<T> Deref for ReadView<'_, T> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
+        self.0
+    }
+}
+
+/// Elements that a stage writes, each from one workgroup only.
+#[derive(Clone, Copy)]
+pub struct WriteView<'a, T> {
+    raw: RawView<'a>,
+    len: usize,
+    group: u32,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<'a, T: Element> WriteView<'a, T> {
+    /// A view of the whole binding for the workgroup with linear index `group`.
+    pub fn of(raw: RawView<'a>, group: u32) -> Self {
+        Self { len: raw.len_of::<T>(), raw, group, element: PhantomData }
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// There are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The element at `index`.
+    ///
+    /// # Panics
+    /// If `index` is out of range: a bug in the kernel.
+    #[inline]
+    #[track_caller]
+    pub fn get(&self, index: usize) -> T {
+        self.check(index);
+        // SAFETY: index is in range; no other workgroup writes this element (the rule of this module).
+        unsafe { self.raw.ptr.cast::<T>().add(index).read() }
+    }
+
+    /// Replaces the element at `index`.
+    ///
+    /// # Panics
+    /// If `index` is out of range: a bug in the kernel.
+    #[inline]
+    #[track_caller]
+    pub fn set(&self, index: usize, value: T) {
+        self.check(index);
+        if let Some(map) = self.raw.map {
+            map.mark(self.raw.ptr.addr(), index, size_of::<T>(), self.group);
+        }
+        // SAFETY: index is in range; no other workgroup touches this element (the rule of this module).
+        unsafe { self.raw.ptr.cast::<T>().add(index).write(value) }
+    }
+
+    /// Changes the element at `index` in place.
+    ///
+    /// # Panics
+    /// If `index` is out of range: a bug in the kernel.
+    #[inline]
+    #[track_caller]
+    pub fn update(&self, index: usize, change: impl FnOnce(&mut T)) {
+        let mut value = self.get(index);
+        change(&mut value);
+        self.set(index, value);
+    }
+
+    #[inline]
+    #[track_caller]
+    fn check(&self, index: usize) {
+        assert!(index < self.len, "index {index} of a buffer of {}", self.len);
+    }
+}
+
+/// 32-bit integers that all workgroups may contend for. Only operations whose result does not depend on order may
+/// decide what the stage gives.
+#[derive(Clone, Copy)]
+pub struct AtomicView<'a>(&'a [AtomicU32]);
+
+impl<'a> AtomicView<'a> {
+    /// A view of the whole binding.
+    pub fn of(raw: RawView<'a>) -> Self {
+        // SAFETY: the memory is valid and initialized for 'a, aligned, and only touched through atomics during 'a.
+        Self(unsafe { std::slice::from_raw_parts(raw.ptr.cast::<AtomicU32>(), raw.len_of::<u32>()) })
+    }
+
+    /// Adds, wrapping, and returns the value before.
+    pub fn add(&self, index: usize, value: u32) -> u32 {
+        self.0[index].fetch_add(value, Ordering::Relaxed)
+    }
+
+    /// Keeps the larger.
+    pub fn max(&self, index: usize, value: u32) -> u32 {
+        self.0[index].fetch_max(value, Ordering::Relaxed)
+    }
+
+    /// Keeps the smaller.
+    pub fn min(&self, index: usize, value: u32) -> u32 {
+        self.0[index].fetch_min(value, Ordering::Relaxed)
+    }
+
+    /// The value now.
+    pub fn load(&self, index: usize) -> u32 {
+        self.0[index].load(Ordering::Relaxed)
+    }
+
+    /// Replaces the value.
+    pub fn store(&self, index: usize, value: u32) {
+        self.0[index].store(value, Ordering::Relaxed);
+    }
+
+    /// Number of integers.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// There are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// Who wrote what during one stage: finds elements that two workgroups write.
+#[derive(Debug)]
+pub struct WriteMap {
+    base: usize,
+    /// Per 32-bit word: 0 for untouched, else workgroup + 1.
+    owner: Vec<AtomicU32>,
+    /// First conflict, as word index + 1.
+    conflict: AtomicU32,
+}
+
+impl WriteMap {
+    /// A map of `bytes` bytes at address `base`.
+    pub fn new(base: usize, bytes: usize) -> Self {
+        Self {
+            base,
+            owner: (0..bytes.div_ceil(4)).map(|_| AtomicU32::new(0)).collect(),
+            conflict: AtomicU32::new(0),
+        }
+    }
+
+    fn mark(&self, ptr: usize, index: usize, size: usize, group: u32) {
+        let first = (ptr - self.base + index * size) / 4;
+        for word in first..first + size.div_ceil(4) {
+            let before = self.owner[word].swap(group + 1, Ordering::Relaxed);
+            if before != 0 && before != group + 1 {
+                self.conflict.store(word as u32 + 1, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Byte offset of an element that two workgroups wrote, if there is one.
+    pub fn conflict(&self) -> Option<usize> {
+        match self.conflict.load(Ordering::Relaxed) {
+            0 => None,
+            word => Some((word as usize - 1) * 4),
+        }
+    }
+}
