@@ -1,1 +1,103 @@
-//! placeholder
+//! Runs gibs schedules on the processor: the CPU kernel of every stage, workgroups in parallel.
+//!
+//! The scalar kernels are the oracle that devices are compared with; where a stage has a wide kernel with the same
+//! result, that one runs unless [`Options::scalar`] asks for the oracle.
+#![deny(clippy::undocumented_unsafe_blocks)]
+mod executable;
+mod memory;
+
+use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
+use std::any::Any;
+use std::sync::Arc;
+
+/// How the backend runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Threads; `None` for all that rayon finds.
+    pub threads: Option<usize>,
+    /// Run the scalar kernels even where a wide one exists.
+    pub scalar: bool,
+    /// Check that no two workgroups write one element, and run workgroups in a shuffled order.
+    pub checked: bool,
+}
+
+/// The processor as a backend.
+#[derive(Debug)]
+pub struct CpuBackend {
+    options: Options,
+    pool: Arc<rayon::ThreadPool>,
+    device: DeviceInfo,
+}
+
+impl CpuBackend {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// [`BackendError::Unavailable`] if threads cannot be started.
+    pub fn new(options: Options) -> Result<Self, BackendError> {
+        let threads = options.threads.unwrap_or(0);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("gibs-cpu-{i}"))
+            .build()
+            .map_err(|error| BackendError::Unavailable {
+                backend: "cpu".into(),
+                reason: format!("{threads} threads could not be started: {error}"),
+                remedy: "ask for fewer threads".into(),
+            })?;
+        let device = DeviceInfo {
+            name: processor_name(),
+            driver: format!("gibs {}", env!("CARGO_PKG_VERSION")),
+            kind: "cpu".into(),
+            timestamps: true,
+            ray_query: false,
+            max_binding: isize::MAX as u64,
+            max_storage_buffers: u32::MAX,
+            notes: vec![format!("{} threads", pool.current_num_threads()), simd().into()],
+        };
+        Ok(Self { options, pool: Arc::new(pool), device })
+    }
+}
+
+impl Backend for CpuBackend {
+    fn name(&self) -> &str {
+        "cpu"
+    }
+
+    fn device(&self) -> &DeviceInfo {
+        &self.device
+    }
+
+    fn prepare(
+        &self,
+        schedule: Arc<Schedule>,
+        adopt: Option<Box<dyn Executable>>,
+    ) -> Result<Box<dyn Executable>, BackendError> {
+        let old = match adopt {
+            None => None,
+            Some(old) => match (old.into_any() as Box<dyn Any>).downcast::<executable::CpuExecutable>() {
+                Ok(old) => Some(*old),
+                Err(_) => return Err(BackendError::ForeignExecutable { backend: "cpu".into() }),
+            },
+        };
+        Ok(Box::new(executable::CpuExecutable::new(schedule, Arc::clone(&self.pool), self.options, old)?))
+    }
+}
+
+fn processor_name() -> String {
+    std::fs::read_to_string("/proc/cpuinfo")
+        .ok()
+        .and_then(|text| {
+            let line = text.lines().find(|line| line.starts_with("model name"))?;
+            Some(line.split_once(':')?.1.trim().to_string())
+        })
+        .unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
+}
+
+fn simd() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+        return "8-wide traversal (AVX2)";
+    }
+    "portable traversal"
+}

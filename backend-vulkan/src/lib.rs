@@ -1,1 +1,31 @@
-//! placeholder
+//! Runs gibs schedules on Vulkan 1.2 and newer: the WGSL kernels as SPIR-V, through ash.
+//!
+//! [`VulkanBackend::new`] makes a device of its own, [`VulkanBackend::from_host`] uses the one that an engine already
+//! has. [`VulkanExecutable`] is what a schedule becomes: buffers, pipelines, and one command buffer per parity of the
+//! rotating histories, recorded once and submitted again every frame. Barriers stand only where the schedule found a
+//! hazard.
+//!
+//! The Vulkan loader is opened at run time, so a program with this backend starts on a machine without one.
+#![deny(clippy::undocumented_unsafe_blocks)]
+mod adapter;
+mod backend;
+mod barriers;
+mod cache;
+mod descriptors;
+mod device;
+mod executable;
+mod instance;
+mod kernels;
+mod limits;
+mod memory;
+mod record;
+mod storage;
+mod stream;
+mod timing;
+mod transfer;
+mod validation;
+
+pub use ash;
+pub use backend::{Options, VulkanBackend};
+pub use executable::VulkanExecutable;
+pub use validation::ValidationLog;

@@ -154,20 +154,28 @@ macro_rules! element {
                 $($(#[$fmeta])* pub $field: $ty,)*
             }
 
-            impl $crate::Element for $name {
-                fn layout() -> $crate::Layout {
-                    $crate::Layout::Struct {
-                        name: stringify!($name).into(),
-                        size: size_of::<$name>() as u32,
-                        fields: vec![$($crate::Field {
-                            name: stringify!($field).into(),
-                            offset: core::mem::offset_of!($name, $field) as u32,
-                            layout: <$ty as $crate::Element>::layout(),
-                        },)*],
-                    }
+            $crate::element_layout!($name { $($field: $ty),* });
+        )*
+    };
+}
+
+/// Gives a `#[repr(C)]` plain-data struct that exists already its [`Element`] layout. Lists every field with its type.
+#[macro_export]
+macro_rules! element_layout {
+    ($name:ident { $($field:ident : $ty:ty),* $(,)? }) => {
+        impl $crate::Element for $name {
+            fn layout() -> $crate::Layout {
+                $crate::Layout::Struct {
+                    name: stringify!($name).into(),
+                    size: size_of::<$name>() as u32,
+                    fields: vec![$($crate::Field {
+                        name: stringify!($field).into(),
+                        offset: core::mem::offset_of!($name, $field) as u32,
+                        layout: <$ty as $crate::Element>::layout(),
+                    },)*],
                 }
             }
-        )*
+        }
     };
 }
 

@@ -32,6 +32,18 @@ impl<T: Element> Buffer<T> {
     }
 }
 
+impl<T: Element> Previous<T> {
+    /// Number of elements.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// There are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+}
+
 /// The value that a state had at the end of the frame before. Only read.
 #[derive(Debug)]
 pub struct Previous<T> {

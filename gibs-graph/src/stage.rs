@@ -170,7 +170,7 @@ macro_rules! __stage_view {
     ($a:lifetime previous $ty:ty) => { $crate::ReadView<$a, $ty> };
     ($a:lifetime write $ty:ty) => { $crate::WriteView<$a, $ty> };
     ($a:lifetime read_write $ty:ty) => { $crate::WriteView<$a, $ty> };
-    ($a:lifetime atomic u32) => { $crate::AtomicView<$a> };
+    ($a:lifetime atomic $ty:ty) => { $crate::AtomicView<$a> };
 }
 
 #[doc(hidden)]

@@ -30,7 +30,7 @@ impl<'a> RawView<'a> {
     /// A view of `bytes` bytes at `ptr`.
     ///
     /// # Safety
-    /// The memory is valid for reads and, where a writing view is made from it, writes for `'a`, aligned to 16 bytes,
+    /// The memory is valid for reads and, where a writing view is made from it, writes for `'a`, aligned to 64 bytes,
     /// initialized, and touched by nothing but views made from this value (and copies of it) during `'a`.
     pub unsafe fn new(ptr: *mut u8, bytes: usize, map: Option<&'a WriteMap>) -> Self {
         Self { ptr, bytes, map, life: PhantomData }

@@ -1,11 +1,13 @@
 //! Luminance and the sRGB transfer curve.
 
-/// Relative luminance of linear RGB with Rec. 709 primaries, weights 0.2126, 0.7152, 0.0722 (ITU-R BT.709).
+/// Relative luminance of linear RGB with Rec. 709 primaries, weights 0.2126, 0.7152, 0.0722 (ITU-R
+/// BT.709).
 pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
-/// The sRGB transfer curve (IEC 61966-2-1) from a linear value to a code value, both clamped to 0..1. NaN stays NaN.
+/// The sRGB transfer curve (IEC 61966-2-1) from a linear value to a code value, both clamped to
+/// 0..1. NaN stays NaN.
 pub fn linear_to_srgb(linear: f32) -> f32 {
     let linear = linear.clamp(0.0, 1.0);
     if linear <= 0.003_130_8 {

@@ -50,8 +50,8 @@ pub enum PictureError {
     },
     /// The picture would need more memory than is allowed for one file.
     #[error(
-        "{path}: {width}x{height} pixels with {channels} channels is more than the {limit} values read from one file; \
-         crop it or remove channels"
+        "{path}: {width}x{height} pixels with {channels} channels is more than the {limit} values \
+         read from one file; crop it or remove channels"
     )]
     TooLarge {
         /// The file asked for.
@@ -74,7 +74,10 @@ pub enum PictureError {
         present: String,
     },
     /// A channel with another number of values than the picture has pixels.
-    #[error("channel {channel} has {found} values where {width}x{height} pixels need {expected}; set one value for each pixel")]
+    #[error(
+        "channel {channel} has {found} values where {width}x{height} pixels need {expected}; \
+         set one value for each pixel"
+    )]
     ChannelLength {
         /// The full channel name.
         channel: String,
@@ -96,7 +99,10 @@ pub enum PictureError {
         name: String,
     },
     /// A picture without pixels or without channels has no file.
-    #[error("{path}: a picture of {width}x{height} pixels with {channels} channels cannot be written; render at least one pixel and one channel")]
+    #[error(
+        "{path}: a picture of {width}x{height} pixels with {channels} channels cannot be written; \
+         render at least one pixel and one channel"
+    )]
     Empty {
         /// The file to be written.
         path: PathBuf,
@@ -108,7 +114,10 @@ pub enum PictureError {
         channels: usize,
     },
     /// A file name with an extension that names no known format.
-    #[error("{path}: unknown extension {extension:?}; use .exr (all channels, float) or .png (a preview)")]
+    #[error(
+        "{path}: unknown extension {extension:?}; \
+         use .exr (all channels, float) or .png (a preview)"
+    )]
     UnknownExtension {
         /// The file to be written.
         path: PathBuf,

@@ -23,7 +23,9 @@ pub enum WriteError {
         path: PathBuf,
     },
     /// The folder or the disk does not take the file.
-    #[error("{path}: cannot be written ({source}); check the folder's permissions and the free space")]
+    #[error(
+        "{path}: cannot be written ({source}); check the folder's permissions and the free space"
+    )]
     Io {
         /// The file to be written.
         path: PathBuf,
@@ -32,8 +34,8 @@ pub enum WriteError {
     },
 }
 
-/// Writes `bytes` to a temporary name beside `path`, then renames it to `path`. A symbolic link is followed, so that the
-/// link stays.
+/// Writes `bytes` to a temporary name beside `path`, then renames it to `path`. A symbolic link is
+/// followed, so that the link stays.
 ///
 /// # Errors
 /// [`WriteError`]; the temporary file is gone then and an earlier file at `path` is as it was.
@@ -48,14 +50,15 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     drop(file);
     let result = written.and_then(|()| fs::rename(&temporary, &target));
     result.map_err(|source| {
-        // The first error is the one to report; a temporary file that cannot be removed changes nothing about it.
+        // The first error is the one to report; a temporary file that cannot be removed changes
+        // nothing about it.
         let _ = fs::remove_file(&temporary);
         io_error(source)
     })
 }
 
-/// Checks that [`replace_file`] can write `path`, by making and removing a temporary file beside it. Worth a call before
-/// work that takes long.
+/// Checks that [`replace_file`] can write `path`, by making and removing a temporary file beside
+/// it. Worth a call before work that takes long.
 ///
 /// # Errors
 /// [`WriteError`], as [`replace_file`] would give.
@@ -101,9 +104,14 @@ fn create_temporary(path: &Path, target: &Path) -> Result<(File, PathBuf), Write
     loop {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let temporary = folder.join(format!(".gibs-{}-{number}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+        match OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&temporary)
+        {
             Ok(file) => return Ok((file, temporary)),
-            // Left by a process that was killed and had the same number: the next name is free sooner or later.
+            // Left by a process that was killed and had the same number: the next name is free
+            // sooner or later.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(source) => {
                 return Err(WriteError::Io {

@@ -1,7 +1,8 @@
 //! Pictures of named float channels: in memory, as OpenEXR files, and as PNG previews for people.
 //!
-//! A picture is what renders, references and comparisons exchange. Its channels carry the names that OpenEXR
-//! shows, a layer name and a suffix: `E.R`, `normal.X`, `mask.A`; the final image is plain `R`, `G`, `B`.
+//! A picture is what renders, references and comparisons exchange. Its channels carry the names
+//! that OpenEXR shows, a layer name and a suffix: `E.R`, `normal.X`, `mask.A`; the final image is
+//! plain `R`, `G`, `B`.
 
 mod color;
 mod error;
@@ -24,7 +25,8 @@ pub use ramp::inferno;
 /// The layer name of the final image, whose channels are plain `R`, `G` and `B`.
 pub const FINAL_IMAGE: &str = "";
 
-/// Float channels of one size. Every channel holds `width * height` values, row by row from the top.
+/// Float channels of one size. Every channel holds `width * height` values, row by row from the
+/// top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     /// Pixels in a row.
@@ -94,8 +96,9 @@ impl Picture {
     /// One channel by its full name, such as `mask.A`.
     ///
     /// # Errors
-    /// [`PictureError::MissingChannel`], which lists the channels present, or [`PictureError::ChannelLength`] if the
-    /// channel was set to a length other than [`Picture::pixels`].
+    /// [`PictureError::MissingChannel`], which lists the channels present, or
+    /// [`PictureError::ChannelLength`] if the channel was set to a length other than
+    /// [`Picture::pixels`].
     pub fn scalar(&self, name: &str) -> Result<&[f32], PictureError> {
         let values = self
             .channels
@@ -108,7 +111,8 @@ impl Picture {
         Ok(values)
     }
 
-    /// The channels `layer.R`, `layer.G` and `layer.B`, or plain `R`, `G` and `B` for [`FINAL_IMAGE`].
+    /// The channels `layer.R`, `layer.G` and `layer.B`, or plain `R`, `G` and `B` for
+    /// [`FINAL_IMAGE`].
     ///
     /// # Errors
     /// As [`Picture::scalar`].
@@ -150,10 +154,18 @@ impl Picture {
         self.set_triple(layer, ["X", "Y", "Z"], values)
     }
 
-    /// The layers that have all of `R`, `G` and `B`, in order of name; [`FINAL_IMAGE`] first if present.
+    /// The layers that have all of `R`, `G` and `B`, in order of name; [`FINAL_IMAGE`] first if
+    /// present.
     pub fn rgb_layers(&self) -> Vec<&str> {
-        let complete = |layer: &str| ["R", "G", "B"].iter().all(|s| self.has(&channel_name(layer, s)));
-        let named = self.channels.keys().filter_map(|name| name.strip_suffix(".R"));
+        let complete = |layer: &str| {
+            ["R", "G", "B"]
+                .iter()
+                .all(|s| self.has(&channel_name(layer, s)))
+        };
+        let named = self
+            .channels
+            .keys()
+            .filter_map(|name| name.strip_suffix(".R"));
         std::iter::once(FINAL_IMAGE)
             .chain(named)
             .filter(|layer| complete(layer))
@@ -170,11 +182,13 @@ impl Picture {
         }
     }
 
-    /// Writes the picture as its extension says: `.exr` with every channel, `.png` as a preview of the final image, or
-    /// of the first RGB layer where there is none. `exposure` is a factor on the preview only.
+    /// Writes the picture as its extension says: `.exr` with every channel, `.png` as a preview of
+    /// the final image, or of the first RGB layer where there is none. `exposure` is a factor on
+    /// the preview only.
     ///
     /// # Errors
-    /// [`PictureError`] for an unknown extension, a preview without an RGB layer, or a file that cannot be written.
+    /// [`PictureError`] for an unknown extension, a preview without an RGB layer, or a file that
+    /// cannot be written.
     pub fn write(&self, path: &Path, exposure: f32) -> Result<(), PictureError> {
         match Format::of(path)? {
             Format::Exr => self.write_exr(path),
@@ -190,7 +204,12 @@ impl Picture {
     ///
     /// # Errors
     /// As [`Picture::rgb`], or a file that cannot be written.
-    pub fn write_preview(&self, path: &Path, layer: &str, exposure: f32) -> Result<(), PictureError> {
+    pub fn write_preview(
+        &self,
+        path: &Path,
+        layer: &str,
+        exposure: f32,
+    ) -> Result<(), PictureError> {
         let image = tone_map(self.width, self.height, self.rgb(layer)?, exposure);
         write_png(path, &image)
     }
@@ -200,7 +219,12 @@ impl Picture {
         Ok([a?, b?, c?])
     }
 
-    fn set_triple(&mut self, layer: &str, suffixes: [&str; 3], values: [Vec<f32>; 3]) -> Result<(), PictureError> {
+    fn set_triple(
+        &mut self,
+        layer: &str,
+        suffixes: [&str; 3],
+        values: [Vec<f32>; 3],
+    ) -> Result<(), PictureError> {
         let names = suffixes.map(|suffix| channel_name(layer, suffix));
         for (name, values) in names.iter().zip(&values) {
             self.check_length(name, values.len())?;

@@ -4,8 +4,8 @@ use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
-    MetaData, ReadChannels, ReadLayers, Text, WritableImage, read,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
+    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, read,
 };
 
 use super::{Picture, PictureError};
@@ -13,17 +13,19 @@ use super::{Picture, PictureError};
 /// The first four bytes of every OpenEXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// The most values (pixels times channels) read from one file, 4 GiB of memory: a damaged header must not make the
-/// program ask for more.
+/// The most values (pixels times channels) read from one file, 4 GiB of memory: a damaged header
+/// must not make the program ask for more.
 const MAX_VALUES: usize = 1 << 30;
 
 impl Picture {
-    /// Reads every channel of an OpenEXR file. Half and integer channels become float. The channels of a file with
-    /// several parts get the part's name in front; the largest level of a tiled file is taken.
+    /// Reads every channel of an OpenEXR file. Half and integer channels become float. The channels
+    /// of a file with several parts get the part's name in front; the largest level of a tiled file
+    /// is taken.
     ///
     /// # Errors
-    /// [`PictureError`] for a missing, unreadable, foreign, damaged or too large file; for deep data, subsampled channels,
-    /// a data window other than the display window, or parts of different sizes.
+    /// [`PictureError`] for a missing, unreadable, foreign, damaged or too large file; for deep
+    /// data, subsampled channels, a data window other than the display window, or parts of
+    /// different sizes.
     pub fn read_exr(path: &Path) -> Result<Self, PictureError> {
         let bytes = fs::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => PictureError::Missing {
@@ -40,7 +42,8 @@ impl Picture {
                 start: start_of(&bytes),
             });
         }
-        let meta = MetaData::read_from_buffered(bytes.as_slice(), false).map_err(|e| decode_error(path, e))?;
+        let meta = MetaData::read_from_buffered(bytes.as_slice(), false)
+            .map_err(|e| decode_error(path, e))?;
         check_headers(path, &meta)?;
         let image = read()
             .no_deep_data()
@@ -57,7 +60,11 @@ impl Picture {
         for layer in image.layer_data {
             picture.width = layer.size.width() as u32;
             picture.height = layer.size.height() as u32;
-            let part = layer.attributes.layer_name.filter(|_| several).map(|name| name.to_string());
+            let part = layer
+                .attributes
+                .layer_name
+                .filter(|_| several)
+                .map(|name| name.to_string());
             for channel in layer.channel_data.list {
                 let name = match &part {
                     Some(part) => format!("{part}.{}", channel.name),
@@ -69,11 +76,12 @@ impl Picture {
         Ok(picture)
     }
 
-    /// Writes every channel as 32-bit float, losslessly compressed, under a temporary name that is then renamed.
+    /// Writes every channel as 32-bit float, losslessly compressed, under a temporary name that is
+    /// then renamed.
     ///
     /// # Errors
-    /// [`PictureError`] for a picture without pixels or channels, a channel of the wrong length or with a name that OpenEXR
-    /// cannot hold, or a file that cannot be written.
+    /// [`PictureError`] for a picture without pixels or channels, a channel of the wrong length or
+    /// with a name that OpenEXR cannot hold, or a file that cannot be written.
     pub fn write_exr(&self, path: &Path) -> Result<(), PictureError> {
         if self.pixels() == 0 || self.channels.is_empty() {
             return Err(PictureError::Empty {
@@ -91,8 +99,10 @@ impl Picture {
                 Ok(AnyChannel::new(text(path, name)?, FlatSamples::F32(values)))
             })
             .collect::<Result<_, PictureError>>()?;
-        let mut attributes = LayerAttributes::default();
-        attributes.software_name = Text::new_or_none(concat!("gibs ", env!("CARGO_PKG_VERSION")));
+        let attributes = LayerAttributes {
+            software_name: Text::new_or_none(concat!("gibs ", env!("CARGO_PKG_VERSION"))),
+            ..LayerAttributes::default()
+        };
         let encoding = Encoding {
             compression: Compression::ZIP16,
             blocks: Blocks::ScanLines,
@@ -113,7 +123,8 @@ impl Picture {
     }
 }
 
-/// Refuses what the decoder would misread or what would not fit in memory, before any pixel is decoded.
+/// Refuses what the decoder would misread or what would not fit in memory, before any pixel is
+/// decoded.
 fn check_headers(path: &Path, meta: &MetaData) -> Result<(), PictureError> {
     let unsupported = |what: String, remedy| {
         Err(PictureError::Unsupported {
@@ -123,21 +134,36 @@ fn check_headers(path: &Path, meta: &MetaData) -> Result<(), PictureError> {
         })
     };
     let mut values = 0_usize;
-    let channels = meta.headers.iter().map(|header| header.channels.list.len()).sum();
+    let channels = meta
+        .headers
+        .iter()
+        .map(|header| header.channels.list.len())
+        .sum();
     let first = meta.headers.first().map(|header| header.layer_size);
     for header in &meta.headers {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
         if header.deep {
-            return unsupported("it holds deep data".to_owned(), "flatten it to one value per pixel");
+            return unsupported(
+                "it holds deep data".to_owned(),
+                "flatten it to one value per pixel",
+            );
         }
-        if let Some(channel) = header.channels.list.iter().find(|c| (c.sampling.x(), c.sampling.y()) != (1, 1)) {
+        if let Some(channel) = header
+            .channels
+            .list
+            .iter()
+            .find(|c| (c.sampling.x(), c.sampling.y()) != (1, 1))
+        {
             return unsupported(
                 format!("channel {} is subsampled", channel.name),
                 "write every channel at full resolution",
             );
         }
         if first != Some(header.layer_size) {
-            return unsupported("its parts differ in size".to_owned(), "write one part, or parts of one size");
+            return unsupported(
+                "its parts differ in size".to_owned(),
+                "write one part, or parts of one size",
+            );
         }
         // A shifted data window would lay pixels of different places over one another.
         if header.data_window() != header.shared_attributes.display_window {
@@ -148,7 +174,9 @@ fn check_headers(path: &Path, meta: &MetaData) -> Result<(), PictureError> {
         }
         let area = width.checked_mul(height);
         let size = area.and_then(|area| area.checked_mul(header.channels.list.len()));
-        values = size.and_then(|size| size.checked_add(values)).unwrap_or(usize::MAX);
+        values = size
+            .and_then(|size| size.checked_add(values))
+            .unwrap_or(usize::MAX);
         if values > MAX_VALUES {
             return Err(PictureError::TooLarge {
                 path: path.to_owned(),
@@ -180,7 +208,11 @@ fn text(path: &Path, name: &str) -> Result<Text, PictureError> {
 }
 
 fn start_of(bytes: &[u8]) -> String {
-    let shown: Vec<String> = bytes.iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+    let shown: Vec<String> = bytes
+        .iter()
+        .take(8)
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     if shown.is_empty() {
         "nothing: it is empty".to_owned()
     } else {

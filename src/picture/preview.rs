@@ -9,14 +9,16 @@ use super::error::PictureError;
 use super::file::replace_file;
 use super::ramp::inferno;
 
-/// The colour of pixels with a NaN or an infinity: magenta, which neither lit surfaces nor the ramp show.
+/// The colour of pixels with a NaN or an infinity: magenta, which neither lit surfaces nor the ramp
+/// show.
 pub const NON_FINITE_COLOR: [u8; 3] = [255, 0, 255];
 
 /// The colour of pixels outside a heat map's mask: a grey, which the ramp does not contain.
 pub const OUTSIDE_COLOR: [u8; 3] = [72, 72, 72];
 
-/// Linear RGB planes of `width * height` values, multiplied by `exposure`, clamped to 0..1 and put through the sRGB
-/// curve. Pixels that are not finite become [`NON_FINITE_COLOR`]; values missing from a plane count as such.
+/// Linear RGB planes of `width * height` values, multiplied by `exposure`, clamped to 0..1 and put
+/// through the sRGB curve. Pixels that are not finite become [`NON_FINITE_COLOR`]; values missing
+/// from a plane count as such.
 pub fn tone_map(width: u32, height: u32, rgb: [&[f32]; 3], exposure: f32) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| {
         let i = y as usize * width as usize + x as usize;
@@ -30,8 +32,9 @@ pub fn tone_map(width: u32, height: u32, rgb: [&[f32]; 3], exposure: f32) -> Rgb
     })
 }
 
-/// The magnitudes of `values` (`width * height`) on the [`inferno`] ramp: black at 0, pale yellow at `full_scale` and
-/// beyond. NaN and infinities are [`NON_FINITE_COLOR`]; where `inside` is false the pixel is [`OUTSIDE_COLOR`].
+/// The magnitudes of `values` (`width * height`) on the [`inferno`] ramp: black at 0, pale yellow
+/// at `full_scale` and beyond. NaN and infinities are [`NON_FINITE_COLOR`]; where `inside` is false
+/// the pixel is [`OUTSIDE_COLOR`].
 pub fn heat_map(
     width: u32,
     height: u32,
@@ -52,11 +55,17 @@ pub fn heat_map(
 /// Writes an 8-bit sRGB picture as PNG, under a temporary name that is then renamed.
 ///
 /// # Errors
-/// [`PictureError::Encode`] for a picture that PNG cannot hold, [`PictureError::Write`] for a file that cannot be written.
+/// [`PictureError::Encode`] for a picture that PNG cannot hold, [`PictureError::Write`] for a file
+/// that cannot be written.
 pub fn write_png(path: &Path, image: &RgbImage) -> Result<(), PictureError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
-        .write_image(image.as_raw(), image.width(), image.height(), ExtendedColorType::Rgb8)
+        .write_image(
+            image.as_raw(),
+            image.width(),
+            image.height(),
+            ExtendedColorType::Rgb8,
+        )
         .map_err(|error| PictureError::Encode {
             path: path.to_owned(),
             reason: error.to_string(),

@@ -1,7 +1,8 @@
 //! A colour ramp for magnitudes.
 
-/// Nine even samples of the "inferno" map of Smith and van der Walt (matplotlib, CC0), as sRGB code values. Its lightness
-/// rises evenly from black, so that it reads in grey and to colour-blind people.
+/// Nine even samples of the "inferno" map of Smith and van der Walt (matplotlib, CC0), as sRGB code
+/// values. Its lightness rises evenly from black, so that it reads in grey and to colour-blind
+/// people.
 const INFERNO: [[u8; 3]; 9] = [
     [0, 0, 4],
     [33, 12, 74],
@@ -14,11 +15,11 @@ const INFERNO: [[u8; 3]; 9] = [
     [252, 255, 164],
 ];
 
-/// The sRGB colour of `t` in 0..1 (clamped; NaN counts as 0): black through purple and orange to pale yellow.
+/// The sRGB colour of `t` in 0..1 (clamped; NaN counts as 0): black through purple and orange to
+/// pale yellow.
 pub fn inferno(t: f32) -> [u8; 3] {
     let last = INFERNO.len() - 1;
-    // `max` before `min` maps NaN to 0.
-    let position = t.max(0.0).min(1.0) * last as f32;
+    let position = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) } * last as f32;
     let left = (position as usize).min(last - 1);
     let fraction = position - left as f32;
     std::array::from_fn(|c| {

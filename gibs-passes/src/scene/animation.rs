@@ -73,7 +73,10 @@ impl Channel {
 
     /// The keyframes around `time`. A time that is not a number counts as the start.
     fn span(&self, time: f64) -> Option<Span> {
-        let (first, last) = (f64::from(*self.times.first()?), f64::from(*self.times.last()?));
+        let (first, last) = (
+            f64::from(*self.times.first()?),
+            f64::from(*self.times.last()?),
+        );
         let time = if time >= first { time.min(last) } else { first };
         // Never 0, since the first time is not after the clamped one.
         let next = self.times.partition_point(|&t| f64::from(t) <= time);
@@ -81,8 +84,17 @@ impl Channel {
         let to = next.min(self.times.len() - 1);
         let (start, end) = (f64::from(self.times[from]), f64::from(self.times[to]));
         let length = end - start;
-        let t = if length > 0.0 { (time - start) / length } else { 0.0 };
-        Some(Span { from, to, t, length })
+        let t = if length > 0.0 {
+            (time - start) / length
+        } else {
+            0.0
+        };
+        Some(Span {
+            from,
+            to,
+            t,
+            length,
+        })
     }
 
     fn vector(&self, values: &[DVec3], span: Span) -> Option<DVec3> {
@@ -155,7 +167,11 @@ fn hermite(span: Span) -> [f64; 4] {
 /// The angle comes from chord lengths, which stays exact for nearly equal and nearly opposite quaternions.
 fn slerp(from: DQuat, to: DQuat, t: f64) -> DQuat {
     let a = DVec4::from(from);
-    let b = if from.dot(to) < 0.0 { -DVec4::from(to) } else { DVec4::from(to) };
+    let b = if from.dot(to) < 0.0 {
+        -DVec4::from(to)
+    } else {
+        DVec4::from(to)
+    };
     let angle = 2.0 * (b - a).length().atan2((b + a).length());
     let sine = angle.sin();
     let blend = if sine > 1e-9 {

@@ -17,7 +17,9 @@ pub struct Camera {
 impl Camera {
     /// Right, up and forward, orthonormal. A degenerate camera falls back to the world's axes.
     pub fn axes(&self) -> [DVec3; 3] {
-        let forward = (self.target - self.position).try_normalize().unwrap_or(DVec3::NEG_Z);
+        let forward = (self.target - self.position)
+            .try_normalize()
+            .unwrap_or(DVec3::NEG_Z);
         let right = forward
             .cross(self.up)
             .try_normalize()

@@ -83,15 +83,20 @@ pub enum LocalTransform {
 
 impl LocalTransform {
     /// No movement at all.
-    pub const IDENTITY: Self =
-        Self::Parts { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE };
+    pub const IDENTITY: Self = Self::Parts {
+        translation: DVec3::ZERO,
+        rotation: DQuat::IDENTITY,
+        scale: DVec3::ONE,
+    };
 
     /// The affine map from the node to its parent.
     pub fn affine(&self) -> DAffine3 {
         match *self {
-            Self::Parts { translation, rotation, scale } => {
-                DAffine3::from_scale_rotation_translation(scale, rotation, translation)
-            }
+            Self::Parts {
+                translation,
+                rotation,
+                scale,
+            } => DAffine3::from_scale_rotation_translation(scale, rotation, translation),
             Self::Affine(affine) => affine,
         }
     }

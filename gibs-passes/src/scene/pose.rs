@@ -49,13 +49,21 @@ fn apply(local: &mut LocalTransform, sample: Sample) {
         Sample::Rotation(value) => rotation = value,
         Sample::Scale(value) => scale = value,
     }
-    *local = LocalTransform::Parts { translation, rotation, scale };
+    *local = LocalTransform::Parts {
+        translation,
+        rotation,
+        scale,
+    };
 }
 
 /// Translation, rotation and scale of a transform; shear of an affine map is lost.
 fn parts(local: &LocalTransform) -> (DVec3, DQuat, DVec3) {
     match *local {
-        LocalTransform::Parts { translation, rotation, scale } => (translation, rotation, scale),
+        LocalTransform::Parts {
+            translation,
+            rotation,
+            scale,
+        } => (translation, rotation, scale),
         LocalTransform::Affine(affine) if affine.matrix3.determinant() != 0.0 => {
             let (scale, rotation, translation) = affine.to_scale_rotation_translation();
             (translation, rotation, scale)

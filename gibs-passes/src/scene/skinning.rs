@@ -30,7 +30,9 @@ impl Scene {
     /// [`Scene::validate`].
     pub fn skinned_positions(&self, pose: &Pose, node: NodeId, mesh: u32) -> SkinnedMesh {
         let drawn = &self.meshes[mesh as usize];
-        let skin = self.nodes[node as usize].skin.map(|skin| &self.skins[skin as usize]);
+        let skin = self.nodes[node as usize]
+            .skin
+            .map(|skin| &self.skins[skin as usize]);
         match skin {
             Some(skin) if !drawn.skin.is_empty() => skinned(drawn, skin, pose),
             _ => rigid(drawn, pose.world[node as usize], node),
@@ -79,9 +81,16 @@ fn skinned(mesh: &Mesh, skin: &Skin, pose: &Pose) -> SkinnedMesh {
             *position = matrix.transform_point3(mesh.positions[i].as_dvec3());
             *joint = skin.joints[dominant(&mesh.skin[i].weights)];
         });
-    out.normals.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(i, normal)| {
-        *normal = map_normal(normal_map(blend(&joints, &mesh.skin[i].weights).matrix3), *normal);
-    });
+    out.normals
+        .par_iter_mut()
+        .with_min_len(GRAIN)
+        .enumerate()
+        .for_each(|(i, normal)| {
+            *normal = map_normal(
+                normal_map(blend(&joints, &mesh.skin[i].weights).matrix3),
+                *normal,
+            );
+        });
     out
 }
 
@@ -91,7 +100,10 @@ fn blend(joints: &[DAffine3], weights: &[(u16, f32)]) -> DAffine3 {
     if let [(joint, _)] = weights {
         return joints[usize::from(*joint)];
     }
-    let mut sum = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
+    let mut sum = DAffine3 {
+        matrix3: DMat3::ZERO,
+        translation: DVec3::ZERO,
+    };
     let mut total = 0.0;
     for &(joint, weight) in weights {
         let (matrix, weight) = (joints[usize::from(joint)], f64::from(weight));
@@ -124,10 +136,16 @@ fn normal_map(m: DMat3) -> DMat3 {
         m.z_axis.cross(m.x_axis),
         m.x_axis.cross(m.y_axis),
     );
-    if m.determinant() < 0.0 { cofactors * -1.0 } else { cofactors }
+    if m.determinant() < 0.0 {
+        cofactors * -1.0
+    } else {
+        cofactors
+    }
 }
 
 /// A normal mapped and made unit again; kept as it is where the map sends it to nothing.
 fn map_normal(map: DMat3, normal: Vec3) -> Vec3 {
-    (map * normal.as_dvec3()).try_normalize().map_or(normal, |n| n.as_vec3())
+    (map * normal.as_dvec3())
+        .try_normalize()
+        .map_or(normal, |n| n.as_vec3())
 }

@@ -1,0 +1,147 @@
+//! The backend: a device, and executables made for it.
+use crate::adapter::Adapter;
+use crate::device::Device;
+use crate::executable::VulkanExecutable;
+use crate::instance::{Instance, unavailable};
+use crate::validation::ValidationLog;
+use ash::vk;
+use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
+use std::fmt;
+use std::sync::Arc;
+
+/// How the backend starts.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Check every call with the validation layer.
+    pub validation: bool,
+    /// Check also that hazards have barriers; turns the layer on.
+    pub sync_validation: bool,
+    /// Only a device whose name contains this, in any case.
+    pub device: Option<String>,
+}
+
+/// Vulkan as a backend.
+pub struct VulkanBackend {
+    device: Arc<Device>,
+}
+
+impl VulkanBackend {
+    /// Starts the best device: discrete before integrated before virtual before software.
+    ///
+    /// # Errors
+    /// [`BackendError::Unavailable`] without a loader, a driver, a device that fits or a layer that was asked for; it
+    /// says what to install.
+    pub fn new(options: Options) -> Result<Self, BackendError> {
+        let instance = Instance::new(&options)?;
+        let adapter = Adapter::choose(&instance, options.device.as_deref())?;
+        Ok(Self {
+            device: Arc::new(Device::new(instance, adapter)?),
+        })
+    }
+
+    /// Every device that the drivers offer, also those that cannot be used, with the reason among their notes.
+    ///
+    /// # Errors
+    /// [`BackendError::Unavailable`] without a loader or a driver.
+    pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
+        let instance = Instance::new(&Options::default())?;
+        Ok(Adapter::list(&instance)?
+            .into_iter()
+            .map(|adapter| adapter.info)
+            .collect())
+    }
+
+    /// Uses the device of an engine, which stays its owner. Nothing is destroyed here but what is made here.
+    ///
+    /// `family` is the queue's family; it needs compute. `api` is the version that the instance was made for.
+    ///
+    /// # Errors
+    /// [`BackendError::Unavailable`] if the device is too old or lacks a feature.
+    ///
+    /// # Safety
+    /// - The handles belong together and outlive this value and every executable made from it.
+    /// - The device was made with the features `timelineSemaphore` and `shaderZeroInitializeWorkgroupMemory` (Vulkan
+    ///   1.3, or VK_KHR_zero_initialize_workgroup_memory).
+    /// - Nobody else uses the queue during a call of this value or of an executable made from it.
+    pub unsafe fn from_host(
+        entry: ash::Entry,
+        instance: ash::Instance,
+        api: u32,
+        physical_device: vk::PhysicalDevice,
+        device: ash::Device,
+        queue: vk::Queue,
+        family: u32,
+    ) -> Result<Self, BackendError> {
+        let instance = Instance::from_host(entry, instance, api);
+        let mut adapter = Adapter::read(&instance, physical_device);
+        adapter.use_family(&instance, family);
+        if let Some(reason) = adapter.unusable() {
+            return Err(unavailable(
+                format!("the device `{}` {reason}", adapter.info.name),
+                "make the device for Vulkan 1.2 or newer and with a compute queue",
+            ));
+        }
+        let device = Device::share(instance, adapter, device, queue, false)?;
+        Ok(Self {
+            device: Arc::new(device),
+        })
+    }
+
+    /// What the validation layer has said so far; empty without the layer.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.validation_log().messages()
+    }
+
+    /// The log of the validation layer, which also sees what comes while the backend is dropped.
+    pub fn validation_log(&self) -> ValidationLog {
+        self.device.instance.log.clone()
+    }
+}
+
+impl Backend for VulkanBackend {
+    fn name(&self) -> &str {
+        "vulkan"
+    }
+
+    fn device(&self) -> &DeviceInfo {
+        &self.device.adapter.info
+    }
+
+    fn prepare(
+        &self,
+        schedule: Arc<Schedule>,
+        adopt: Option<Box<dyn Executable>>,
+    ) -> Result<Box<dyn Executable>, BackendError> {
+        let foreign = || BackendError::ForeignExecutable {
+            backend: "vulkan".into(),
+        };
+        let old = match adopt {
+            None => None,
+            Some(old) => Some(
+                *old.into_any()
+                    .downcast::<VulkanExecutable>()
+                    .map_err(|_| foreign())?,
+            ),
+        };
+        // Buffers of another device mean nothing to this one.
+        if old
+            .as_ref()
+            .is_some_and(|old| !Arc::ptr_eq(old.device(), &self.device))
+        {
+            return Err(foreign());
+        }
+        Ok(Box::new(VulkanExecutable::new(
+            &self.device,
+            schedule,
+            old,
+        )?))
+    }
+}
+
+impl fmt::Debug for VulkanBackend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("VulkanBackend")
+            .field("device", self.device())
+            .finish()
+    }
+}

@@ -1,0 +1,129 @@
+//! Buffers and their memory.
+use crate::device::Device;
+use ash::vk;
+use gibs_graph::BackendError;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::{AllocationError, MemoryLocation};
+use std::sync::Arc;
+
+/// A buffer with memory of its own.
+pub(crate) struct Buffer {
+    pub raw: vk::Buffer,
+    /// Bytes, a multiple of 4.
+    pub size: u64,
+    /// `None` only before it is allocated and while the buffer is dropped.
+    memory: Option<Allocation>,
+    device: Arc<Device>,
+}
+
+impl Buffer {
+    /// A buffer on the device that stages can use in any way, of at least 16 bytes and a multiple of 4.
+    pub fn resource(device: &Arc<Device>, name: &str, bytes: u64) -> Result<Self, BackendError> {
+        use vk::BufferUsageFlags as Usage;
+        // All uses, because an adopted buffer serves another schedule.
+        let usage = Usage::STORAGE_BUFFER
+            | Usage::UNIFORM_BUFFER
+            | Usage::INDIRECT_BUFFER
+            | Usage::TRANSFER_SRC
+            | Usage::TRANSFER_DST;
+        let size = bytes.next_multiple_of(4).max(16);
+        Self::new(device, name, size, usage, MemoryLocation::GpuOnly)
+    }
+
+    /// Memory that the host writes and the device copies from.
+    pub fn staging(device: &Arc<Device>, size: u64) -> Result<Self, BackendError> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        Self::new(device, "(upload)", size, usage, MemoryLocation::CpuToGpu)
+    }
+
+    /// Memory that the device copies to and the host reads.
+    pub fn readback(device: &Arc<Device>, size: u64) -> Result<Self, BackendError> {
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        Self::new(device, "(read back)", size, usage, MemoryLocation::GpuToCpu)
+    }
+
+    fn new(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        location: MemoryLocation,
+    ) -> Result<Self, BackendError> {
+        let out_of_memory = || BackendError::OutOfMemory {
+            device: device.adapter.info.name.clone(),
+            resource: name.into(),
+            bytes: size,
+        };
+        let info = vk::BufferCreateInfo::default()
+            .size(size)
+            .usage(usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        // SAFETY: the device is alive, and the size was checked against its limits.
+        let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(|e| match e {
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                out_of_memory()
+            }
+            e => device.fail("vkCreateBuffer")(e),
+        })?;
+        // From here on dropping the value gives back what it has.
+        let mut buffer = Self {
+            raw,
+            size,
+            memory: None,
+            device: Arc::clone(device),
+        };
+        device.name(raw, name);
+        // SAFETY: the buffer was made by this device.
+        let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
+        let allocated = device.allocator().as_mut().map(|allocator| {
+            allocator.allocate(&AllocationCreateDesc {
+                name,
+                requirements,
+                location,
+                linear: true,
+                allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+            })
+        });
+        let memory = match allocated {
+            Some(Ok(memory)) => memory,
+            None | Some(Err(AllocationError::OutOfMemory)) => return Err(out_of_memory()),
+            Some(Err(e)) => {
+                let device = device.adapter.info.name.clone();
+                return Err(BackendError::Device {
+                    device,
+                    message: format!("memory for `{name}`: {e}"),
+                });
+            }
+        };
+        // SAFETY: the memory was allocated for the requirements of this buffer, which has no memory yet.
+        let bound = unsafe {
+            device
+                .raw
+                .bind_buffer_memory(raw, memory.memory(), memory.offset())
+        };
+        buffer.memory = Some(memory);
+        bound.map_err(device.fail("vkBindBufferMemory"))?;
+        Ok(buffer)
+    }
+
+    /// The bytes of a staging or read-back buffer; empty for memory that only the device sees.
+    pub fn mapped(&mut self) -> &mut [u8] {
+        self.memory
+            .as_mut()
+            .and_then(Allocation::mapped_slice_mut)
+            .unwrap_or_default()
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: whoever holds a buffer waits for the work that uses it before dropping it; destroyed once.
+        unsafe { self.device.raw.destroy_buffer(self.raw, None) };
+        if let (Some(memory), Some(allocator)) =
+            (self.memory.take(), self.device.allocator().as_mut())
+        {
+            // It fails only for memory of another allocator.
+            let _ = allocator.free(memory);
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Pipelines: each kernel compiled once per device, with a layout that follows from the stage's ports.
+use crate::buffers::{Allocation, Parity};
+use crate::context::{Context, lock, said};
+use crate::passthrough;
+use gibs_graph::{Access, BackendError, DispatchStep, Resource, WgslSource};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+use std::sync::Arc;
+
+/// Kernels that have been built.
+pub(crate) type KernelCache = HashMap<Key, Arc<Kernel>>;
+
+/// What makes two kernels the same. The text is part of it because names are only a convention.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Key {
+    name: &'static str,
+    text: &'static str,
+    features: &'static [&'static str],
+    slots: Vec<(&'static str, Slot)>,
+}
+
+/// How the device sees a port.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Slot {
+    Uniform,
+    ReadOnly,
+    ReadWrite,
+}
+
+/// A kernel, ready to bind.
+pub(crate) struct Kernel {
+    pub pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    /// Binding number of each bound port.
+    numbers: Vec<(&'static str, u32)>,
+}
+
+/// The kernel of a stage, built unless it was before.
+///
+/// # Errors
+/// [`BackendError::Kernel`] with what the compiler or the driver said.
+pub(crate) fn kernel(
+    context: &Context,
+    label: &str,
+    dispatch: &DispatchStep,
+) -> Result<Arc<Kernel>, BackendError> {
+    let source = &dispatch.kernel.wgsl;
+    let slots = dispatch
+        .ports
+        .iter()
+        .filter_map(|port| Some((port.name, slot(port.access)?)))
+        .collect();
+    let key = Key {
+        name: source.name,
+        text: source.text,
+        features: source.features,
+        slots,
+    };
+    if let Some(built) = lock(&context.kernels).get(&key) {
+        return Ok(Arc::clone(built));
+    }
+    let built = Arc::new(build(context, label, source, &key.slots)?);
+    lock(&context.kernels).insert(key, Arc::clone(&built));
+    Ok(built)
+}
+
+fn slot(access: Access) -> Option<Slot> {
+    match access {
+        Access::Uniform => Some(Slot::Uniform),
+        Access::Read | Access::Previous => Some(Slot::ReadOnly),
+        Access::Write | Access::ReadWrite | Access::Atomic => Some(Slot::ReadWrite),
+        Access::HostOnly | Access::Indirect => None,
+    }
+}
+
+fn build(
+    context: &Context,
+    label: &str,
+    source: &WgslSource,
+    slots: &[(&'static str, Slot)],
+) -> Result<Kernel, BackendError> {
+    let refuse = |message: String| BackendError::Kernel {
+        stage: label.into(),
+        message,
+    };
+    let compiled = context
+        .compiler
+        .compile(source)
+        .map_err(|error| refuse(error.to_string()))?;
+    let mut numbers = Vec::with_capacity(slots.len());
+    let mut entries = Vec::with_capacity(slots.len());
+    for &(port, slot) in slots {
+        let Some(binding) = compiled.binding(port) else {
+            return Err(refuse(format!(
+                "{} has no global for the port `{port}`; declare it in @group(0)",
+                source.name
+            )));
+        };
+        numbers.push((port, binding));
+        entries.push(layout_entry(binding, slot));
+    }
+    let made = context.guard_as(
+        || {
+            let device = &context.device;
+            let module = if context.same_spirv {
+                passthrough::module(context, source.name, &compiled)?
+            } else {
+                device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some(source.name),
+                    source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(compiled.wgsl())),
+                })
+            };
+            let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(source.name),
+                entries: &entries,
+            });
+            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(source.name),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(source.name),
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            Ok::<_, String>((layout, pipeline))
+        },
+        |error| refuse(said(&error)),
+    )?;
+    let (layout, pipeline) = made.map_err(refuse)?;
+    Ok(Kernel {
+        pipeline,
+        layout,
+        numbers,
+    })
+}
+
+fn layout_entry(binding: u32, slot: Slot) -> wgpu::BindGroupLayoutEntry {
+    let ty = match slot {
+        Slot::Uniform => wgpu::BufferBindingType::Uniform,
+        Slot::ReadOnly => wgpu::BufferBindingType::Storage { read_only: true },
+        Slot::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+/// The bind groups of a stage, one per parity; the same one twice where no history is involved.
+///
+/// # Errors
+/// [`BackendError::Kernel`] with what wgpu said.
+pub(crate) fn bind(
+    context: &Context,
+    label: &str,
+    kernel: &Kernel,
+    dispatch: &DispatchStep,
+    resources: &[Resource],
+    allocations: &[Allocation],
+) -> Result<[wgpu::BindGroup; 2], BackendError> {
+    let refuse = |message: String| BackendError::Kernel {
+        stage: label.into(),
+        message,
+    };
+    let make = |parity: Parity| {
+        let mut entries = Vec::with_capacity(kernel.numbers.len());
+        for binding in dispatch.bindings.iter().filter(|b| b.access.is_bound()) {
+            let allocation = &allocations[binding.resource as usize];
+            let buffer = match binding.access {
+                Access::Previous => allocation.previous(parity),
+                _ => allocation.current(parity),
+            };
+            let number = kernel
+                .numbers
+                .iter()
+                .find(|(port, _)| *port == binding.port)
+                .map(|(_, number)| *number);
+            let (Some(buffer), Some(number)) = (buffer, number) else {
+                return Err(refuse(format!(
+                    "the port `{}` is bound but was not declared",
+                    binding.port
+                )));
+            };
+            let resource = &resources[binding.resource as usize];
+            // Exactly the elements, so that arrayLength is the number of them; of a uniform the first.
+            let size = match binding.access {
+                Access::Uniform => resource.element.size().into(),
+                _ => resource.bytes,
+            };
+            let range = wgpu::BufferBinding {
+                buffer,
+                offset: 0,
+                size: NonZeroU64::new(size),
+            };
+            entries.push(wgpu::BindGroupEntry {
+                binding: number,
+                resource: wgpu::BindingResource::Buffer(range),
+            });
+        }
+        let descriptor = wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: &kernel.layout,
+            entries: &entries,
+        };
+        context.guard_as(
+            || context.device.create_bind_group(&descriptor),
+            |error| refuse(said(&error)),
+        )
+    };
+    let [even, odd] = Parity::BOTH;
+    let first = make(even)?;
+    let rotates = dispatch
+        .bindings
+        .iter()
+        .any(|b| allocations[b.resource as usize].is_history());
+    let second = if rotates { make(odd)? } else { first.clone() };
+    Ok([first, second])
+}

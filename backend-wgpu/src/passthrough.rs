@@ -1,0 +1,36 @@
+//! Kernels as SPIR-V words. The one unsafe module of this crate.
+#![allow(unsafe_code)]
+use crate::context::Context;
+use gibs_shaders::CompiledKernel;
+use std::borrow::Cow;
+
+/// Version of the SPIR-V that [`crate::Options::same_spirv`] gives the driver: what Vulkan 1.2 takes.
+pub const SAME_SPIRV: (u8, u8) = (1, 4);
+
+/// A module of the kernel's SPIR-V, which wgpu hands on as it is.
+///
+/// # Errors
+/// What naga's writer says.
+pub(crate) fn module(
+    context: &Context,
+    label: &str,
+    compiled: &CompiledKernel,
+) -> Result<wgpu::ShaderModule, String> {
+    let words = compiled
+        .spirv(SAME_SPIRV)
+        .map_err(|error| error.to_string())?;
+    let [x, y, z] = compiled.workgroup_size();
+    let entry = wgpu::PassthroughShaderEntryPoint {
+        name: Cow::Borrowed("main"),
+        workgroup_size: (x, y, z),
+    };
+    let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+        label: Some(label),
+        entry_points: Cow::Borrowed(std::slice::from_ref(&entry)),
+        spirv: Some(Cow::Owned(words)),
+        ..Default::default()
+    };
+    // SAFETY: the words were made by naga from a module that naga validated, with bounds checks; its entry point is
+    // `main`, and its bindings are those of the layout, which is made from the same kernel.
+    Ok(unsafe { context.device.create_shader_module_passthrough(descriptor) })
+}

@@ -1,0 +1,321 @@
+//! The element types of the frame's edges. Lengths are metres relative to the floating origin.
+pub use crate::accel::{BvhNode, Hit, Instance, NONE, Ray, Triangle, WideNode, WidePacket};
+use gibs_graph::{element, element_layout};
+use glam::{Vec2, Vec3, Vec4};
+
+element_layout!(BvhNode { min: Vec3, first: u32, max: Vec3, count: u32 });
+element_layout!(Triangle {
+    v0: Vec3,
+    primitive: u32,
+    e1: Vec3,
+    material_flags: u32,
+    e2: Vec3,
+    transform_id: u32,
+});
+element_layout!(Instance {
+    world_to_object: [Vec4; 3],
+    object_to_world: [Vec4; 3],
+    root: u32,
+    first_triangle: u32,
+    transform_id: u32,
+    flags: u32,
+});
+element_layout!(Ray { origin: Vec3, t_min: f32, direction: Vec3, t_max: f32 });
+element_layout!(Hit { t: f32, u: f32, v: f32, triangle: u32, instance: u32 });
+element_layout!(WideNode { planes: [[f32; 8]; 6], children: [u32; 8], sources: [u32; 8] });
+element_layout!(WidePacket {
+    v0: [[f32; 8]; 3],
+    e1: [[f32; 8]; 3],
+    e2: [[f32; 8]; 3],
+    first: u32,
+    count: u32,
+    padding: [u32; 6],
+});
+
+element! {
+    /// The camera, in the floating origin's frame.
+    pub struct Camera {
+        /// Eye.
+        eye: Vec3,
+        /// Width of the picture in pixels.
+        width: u32,
+        /// Right, as long as half the picture's width at distance one.
+        right: Vec3,
+        /// Height of the picture in pixels.
+        height: u32,
+        /// Up, as long as half the picture's height at distance one.
+        up: Vec3,
+        /// Angle that a pixel in the middle subtends, radians.
+        pixel_angle: f32,
+        /// Unit vector along the viewing axis.
+        forward: Vec3,
+        /// Zero.
+        pad: u32,
+    }
+
+    /// What changes every frame.
+    pub struct Frame {
+        /// Frame number, wrapping.
+        number: u32,
+        /// Seed of the run.
+        seed: u32,
+        /// Number of lights.
+        lights: u32,
+        /// Lights that are sampled at each point.
+        lights_per_point: u32,
+        /// Side of the octahedral environment map, in texels.
+        environment_side: u32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
+    }
+
+    /// The non-linear grid (GIBS, "Acceleration Structure"): a cube of uniform cells around the eye, and one
+    /// trapezoidal grid along each of the six half-axes whose slices thicken with distance.
+    pub struct GridShape {
+        /// Centre of the cube.
+        centre: Vec3,
+        /// Half the side of the cube.
+        half: f32,
+        /// Cells along each side of the cube, and across each slice.
+        side: u32,
+        /// Slices per half-axis.
+        slices: u32,
+        /// Ratio of the distances of successive slices; `1 + 2 / side` makes cells about as thick as wide.
+        growth: f32,
+        /// `1 / log2(growth)`.
+        per_octave: f32,
+    }
+
+    /// Settings of the surfels.
+    pub struct SurfelSettings {
+        /// Surfels that exist, live or free.
+        capacity: u32,
+        /// Rays per frame.
+        ray_budget: u32,
+        /// Target radius on screen, pixels.
+        radius_pixels: f32,
+        /// Summed weight at which spawning stops.
+        coverage: f32,
+        /// 1 where a depth function guards against leaks.
+        use_depth: u32,
+        /// Most surfels that a lookup visits in a cell.
+        lookup: u32,
+        /// Blend of a depth sample into the depth function, per ray.
+        depth_blend: f32,
+        /// 1 where the firefly clamp of the estimator is on.
+        clamp: u32,
+    }
+
+    /// Normals and texture coordinates of a triangle's vertices.
+    pub struct Corners {
+        /// Packed vertex normals, in the bottom level's space.
+        normals: [u32; 3],
+        /// 1 where there are vertex normals.
+        smooth: u32,
+        /// Texture coordinates.
+        uvs: [Vec2; 3],
+    }
+
+    /// A Lambertian material.
+    pub struct Material {
+        /// Linear base colour factor.
+        base_color: Vec3,
+        /// Alpha factor, times one minus transmission.
+        alpha: f32,
+        /// Emitted radiance, W/(m^2 sr).
+        emission: Vec3,
+        /// See `shared::texture`: alpha mode, two-sidedness.
+        flags: u32,
+        /// Map of the texture coordinates to the base colour texture's u.
+        base_u: Vec3,
+        /// First word of the base colour texture; `u32::MAX` for none.
+        base_texels: u32,
+        /// Map of the texture coordinates to the base colour texture's v.
+        base_v: Vec3,
+        /// Width and, from bit 16, height of the base colour texture.
+        base_size: u32,
+        /// Map of the texture coordinates to the emission texture's u.
+        emission_u: Vec3,
+        /// First word of the emission texture; `u32::MAX` for none.
+        emission_texels: u32,
+        /// Map of the texture coordinates to the emission texture's v.
+        emission_v: Vec3,
+        /// Width and, from bit 16, height of the emission texture.
+        emission_size: u32,
+        /// Cut-out threshold.
+        cutoff: f32,
+        /// Sampler bits of the base colour texture.
+        base_sampler: u32,
+        /// Sampler bits of the emission texture.
+        emission_sampler: u32,
+        /// Zero.
+        pad: u32,
+    }
+
+    /// A point on a surface: what a ray or a pixel sees.
+    pub struct SurfacePoint {
+        /// Position.
+        position: Vec3,
+        /// Distance by which rays start off the surface, along the geometric normal.
+        offset: f32,
+        /// Packed geometric normal, facing the viewer.
+        geometric_normal: u32,
+        /// Packed interpolated normal, facing the viewer.
+        shading_normal: u32,
+        /// Red and green of the albedo, 16 bits each.
+        albedo_rg: u32,
+        /// Blue of the albedo in the low 16 bits; flags above, see `shared::surface`.
+        albedo_b_flags: u32,
+        /// Emitted radiance towards the viewer, W/(m^2 sr).
+        emission: Vec3,
+        /// Node that the surface moves with; `u32::MAX` where the ray missed.
+        transform_id: u32,
+    }
+
+    /// A light that is not a surface.
+    pub struct Light {
+        /// Position of a point or spot light.
+        position: Vec3,
+        /// 0 directional, 1 point, 2 spot.
+        kind: u32,
+        /// Radiant intensity, W/sr; irradiance, W/m^2, of a directional light.
+        intensity: Vec3,
+        /// Cosine of the outer half angle of a spot.
+        cos_outer: f32,
+        /// Direction in which it shines.
+        direction: Vec3,
+        /// Cosine of the inner half angle of a spot.
+        cos_inner: f32,
+    }
+
+    /// An emissive triangle in the world.
+    pub struct Emitter {
+        /// First vertex.
+        v0: Vec3,
+        /// Probability that emitter sampling draws this one or one before it.
+        cumulative: f32,
+        /// Second vertex minus first.
+        e1: Vec3,
+        /// Bit 0: shines on both sides. Bit 1: its instance mirrors, so that the front is the clockwise side.
+        flags: u32,
+        /// Third vertex minus first.
+        e2: Vec3,
+        /// Zero.
+        pad: u32,
+        /// Emitted radiance, W/(m^2 sr).
+        radiance: Vec3,
+        /// Zero.
+        pad1: u32,
+    }
+
+    /// One light chosen for a point: what it adds if nothing stands between.
+    pub struct LightSample {
+        /// Irradiance divided by the probability of the choice, W/m^2.
+        irradiance: Vec3,
+        /// Zero.
+        pad: u32,
+    }
+
+    /// Affine map of a node to the world, and back.
+    pub struct Transform {
+        /// Rows of the map to the world.
+        to_world: [Vec4; 3],
+        /// Rows of the map from the world.
+        to_local: [Vec4; 3],
+    }
+
+    /// A surfel where it is now (GIBS, "Surfel = Surface Element").
+    pub struct SurfelPose {
+        /// Position.
+        position: Vec3,
+        /// Radius; zero for a free slot.
+        radius: f32,
+        /// Unit geometric normal.
+        normal: Vec3,
+        /// Hash of where and when it was born: its identity.
+        identity: u32,
+    }
+
+    /// A surfel as it was born: fixed to its node.
+    pub struct SurfelBirth {
+        /// Position in the node's space.
+        position: Vec3,
+        /// Node.
+        transform_id: u32,
+        /// Packed normal in the node's space.
+        normal: u32,
+        /// Frame of birth.
+        frame: u32,
+        /// Distance by which rays start off the surface.
+        offset: f32,
+        /// Zero.
+        pad: u32,
+    }
+
+    /// Irradiance of a surfel as the multiscale mean estimator holds it, W/m^2.
+    pub struct SurfelIrradiance {
+        /// Long mean.
+        mean: Vec3,
+        /// Rays integrated so far, saturating.
+        samples: u32,
+        /// Short-term mean.
+        short_mean: Vec3,
+        /// Blend reduction by variance.
+        reduction: f32,
+        /// Short-term variance.
+        variance: Vec3,
+        /// How far the short mean has strayed from the long one.
+        inconsistency: f32,
+    }
+
+    /// A surfel's depth function: 4x4 texels of the hemisphere, first and second moment of distance over the
+    /// surfel's diameter, 16 bits each.
+    pub struct SurfelDepth {
+        /// Texels, row by row.
+        texels: [u32; 16],
+    }
+
+    /// What the surfels around a point say.
+    pub struct Gathered {
+        /// Sum of weight times irradiance, divided by the summed weight where that is above one, W/m^2.
+        irradiance: Vec3,
+        /// Summed weight, at most one.
+        weight: f32,
+        /// Average irradiance of the cell, with normal and depth weights only, W/m^2.
+        average: Vec3,
+        /// Summed weight of the average.
+        average_weight: f32,
+    }
+
+    /// A path from a surfel: the ray with the same index is its next segment.
+    pub struct Path {
+        /// Product of albedos, over the probabilities of going on.
+        throughput: Vec3,
+        /// Index of the surfel's ray that it began with.
+        root: u32,
+        /// State of its random numbers.
+        seed: u32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
+    }
+
+    /// Free slots of the surfel buffers, and what happened to them.
+    pub struct SurfelCounters {
+        /// Slots on the free stack.
+        free: u32,
+        /// Surfels that found no free slot, since the start.
+        starved: u32,
+        /// Cell list entries that did not fit, this frame.
+        overflow: u32,
+        /// Rays of this frame.
+        rays: u32,
+    }
+}

@@ -1,0 +1,166 @@
+//! Meshes into bottom levels, nodes into instances.
+use super::relative;
+use crate::accel::{BlasInput, BuildError, InstanceInput, MeshPart, TwoLevel, Wide};
+use crate::data::{Corners, NONE};
+use crate::scene::{AlphaMode, Material, Mesh, Pose, Scene};
+use crate::shared::octahedral;
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+
+/// The geometry of a posed scene.
+pub(super) struct Geometry {
+    pub tree: TwoLevel,
+    pub wide: Wide,
+    pub corners: Vec<Corners>,
+    pub bounds: (Vec3, Vec3),
+    pub warnings: Vec<String>,
+}
+
+/// A mesh of a bottom level, before borrowing.
+struct Part {
+    mesh: u32,
+    /// Posed positions; `None` takes those of the mesh.
+    positions: Option<Vec<Vec3>>,
+    transform_ids: Vec<u32>,
+    first_primitive: u32,
+}
+
+struct Level {
+    parts: Vec<Part>,
+}
+
+pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometry, BuildError> {
+    let mut corners = Vec::new();
+    let mut levels: Vec<Level> = Vec::new();
+    let mut instances = Vec::new();
+    // Nodes that draw the same rigid meshes share a bottom level.
+    let mut shared: HashMap<&[u32], u32> = HashMap::new();
+    for (id, node) in scene.nodes.iter().enumerate().filter(|(_, node)| !node.meshes.is_empty()) {
+        let id = id as u32;
+        if node.skin.is_some() {
+            let level = skinned_level(scene, pose, origin, id, &mut corners);
+            levels.push(level);
+            instances.push(InstanceInput {
+                blas: levels.len() as u32 - 1,
+                object_to_world: DAffine3::IDENTITY,
+                transform_id: id,
+            });
+            continue;
+        }
+        let blas = *shared.entry(&node.meshes).or_insert_with(|| {
+            levels.push(rigid_level(scene, &node.meshes, &mut corners));
+            levels.len() as u32 - 1
+        });
+        let object_to_world = relative(&pose.world[id as usize], origin);
+        instances.push(InstanceInput { blas, object_to_world, transform_id: id });
+    }
+    let parts: Vec<Vec<MeshPart<'_>>> = levels
+        .iter()
+        .map(|level| level.parts.iter().map(|part| borrow(scene, part)).collect())
+        .collect();
+    let inputs: Vec<BlasInput<'_>> = parts.iter().map(|parts| BlasInput { parts }).collect();
+    let tree = TwoLevel::build(&inputs, &instances)?;
+    let wide = Wide::build(&tree);
+    let warnings = tree
+        .stats
+        .left_out
+        .iter()
+        .map(|(instance, why)| {
+            let node = instances[*instance as usize].transform_id as usize;
+            format!("node `{}` is left out: {why}", scene.nodes[node].name)
+        })
+        .collect();
+    let bounds = bounds(scene, &levels, &instances);
+    Ok(Geometry { tree, wide, corners, bounds, warnings })
+}
+
+fn borrow<'a>(scene: &'a Scene, part: &'a Part) -> MeshPart<'a> {
+    let mesh = &scene.meshes[part.mesh as usize];
+    MeshPart {
+        positions: part.positions.as_deref().unwrap_or(&mesh.positions),
+        triangles: &mesh.triangles,
+        material: mesh.material,
+        alpha_test: needs_alpha(&scene.materials[mesh.material as usize]),
+        first_primitive: part.first_primitive,
+        transform_id: NONE,
+        transform_ids: &part.transform_ids,
+    }
+}
+
+/// Light can pass through some of the surface.
+pub(super) fn needs_alpha(material: &Material) -> bool {
+    material.alpha_mode != AlphaMode::Opaque || material.transmission > 0.0
+}
+
+fn rigid_level(scene: &Scene, meshes: &[u32], corners: &mut Vec<Corners>) -> Level {
+    let parts = meshes
+        .iter()
+        .map(|&mesh| {
+            let first_primitive = corners.len() as u32;
+            let drawn = &scene.meshes[mesh as usize];
+            push_corners(drawn, &drawn.normals, corners);
+            Part { mesh, positions: None, transform_ids: Vec::new(), first_primitive }
+        })
+        .collect();
+    Level { parts }
+}
+
+/// Skinned meshes are posed in the world; each triangle moves with the joint that most of its vertices follow.
+fn skinned_level(scene: &Scene, pose: &Pose, origin: DVec3, node: u32, corners: &mut Vec<Corners>) -> Level {
+    let parts = scene.nodes[node as usize]
+        .meshes
+        .iter()
+        .map(|&mesh| {
+            let first_primitive = corners.len() as u32;
+            let drawn = &scene.meshes[mesh as usize];
+            let posed = scene.skinned_positions(pose, node, mesh);
+            push_corners(drawn, &posed.normals, corners);
+            let joint = |v: u32| posed.dominant_joint[v as usize];
+            let follows = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(joint);
+                if b == c { b } else { a }
+            };
+            Part {
+                mesh,
+                positions: Some(posed.positions.iter().map(|&p| (p - origin).as_vec3()).collect()),
+                transform_ids: drawn.triangles.iter().map(follows).collect(),
+                first_primitive,
+            }
+        })
+        .collect();
+    Level { parts }
+}
+
+fn push_corners(mesh: &Mesh, normals: &[Vec3], corners: &mut Vec<Corners>) {
+    let smooth = u32::from(!normals.is_empty());
+    corners.extend(mesh.triangles.iter().map(|triangle| Corners {
+        normals: triangle.map(|v| normals.get(v as usize).map_or(0, |&n| octahedral::pack(n))),
+        smooth,
+        uvs: triangle.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or(Vec2::ZERO)),
+    }));
+}
+
+fn bounds(scene: &Scene, levels: &[Level], instances: &[InstanceInput]) -> (Vec3, Vec3) {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for instance in instances {
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for part in &levels[instance.blas as usize].parts {
+            let own = &scene.meshes[part.mesh as usize].positions;
+            for &p in part.positions.as_ref().unwrap_or(own) {
+                low = low.min(p);
+                high = high.max(p);
+            }
+        }
+        if low.x > high.x {
+            continue;
+        }
+        for i in 0..8 {
+            let pick = |bit: u32, low: f32, high: f32| f64::from(if i >> bit & 1 == 0 { low } else { high });
+            let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+            let p = instance.object_to_world.transform_point3(corner);
+            min = min.min(p);
+            max = max.max(p);
+        }
+    }
+    if min.x > max.x { (Vec3::ZERO, Vec3::ZERO) } else { (min.as_vec3(), max.as_vec3()) }
+}

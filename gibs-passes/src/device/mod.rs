@@ -1,0 +1,99 @@
+//! A posed scene as device data: what the input buffers of the frames hold.
+mod emitters;
+mod environment;
+mod geometry;
+mod lights;
+mod materials;
+
+pub use emitters::EmitterTable;
+pub use environment::EnvironmentTable;
+
+use crate::accel::{BuildError, TwoLevel, Wide};
+use crate::data::{Corners, Light, Material, Transform};
+use crate::scene::{Environment, Pose, Scene, Sun};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
+
+/// Everything that the frames need of a scene in a pose, relative to a floating origin.
+#[derive(Clone, Debug)]
+pub struct DeviceScene {
+    /// World position of the floating origin, metres.
+    pub origin: DVec3,
+    /// Two-level tree for devices and for the scalar CPU kernel.
+    pub tree: TwoLevel,
+    /// The same tree for the wide CPU kernel.
+    pub wide: Wide,
+    /// Vertex attributes, indexed by `Triangle::primitive`.
+    pub corners: Vec<Corners>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// The sRGB table, then the texels of every used texture.
+    pub texels: Vec<u32>,
+    /// Sun first, then the scene's lights.
+    pub lights: Vec<Light>,
+    /// Transform of every node.
+    pub transforms: Vec<Transform>,
+    /// The environment map and its sampling table.
+    pub environment: EnvironmentTable,
+    /// Emissive triangles, for emitter sampling.
+    pub emitters: EmitterTable,
+    /// Lower and upper corner of all geometry, relative to the origin.
+    pub bounds: (Vec3, Vec3),
+    /// What was left out or changed, for the user.
+    pub warnings: Vec<String>,
+}
+
+impl DeviceScene {
+    /// Prepares `scene` in `pose`, with everything relative to `origin`.
+    ///
+    /// # Errors
+    /// Geometry that no tree can be built from.
+    pub fn build(
+        scene: &Scene,
+        pose: &Pose,
+        origin: DVec3,
+        sun: Option<&Sun>,
+        environment: &Environment,
+    ) -> Result<Self, BuildError> {
+        let (materials, texels) = materials::pack(scene);
+        let geometry = geometry::build(scene, pose, origin)?;
+        let emitters = EmitterTable::build(&geometry.tree, &materials);
+        Ok(Self {
+            origin,
+            tree: geometry.tree,
+            wide: geometry.wide,
+            corners: geometry.corners,
+            materials,
+            texels,
+            lights: lights::pack(scene, pose, origin, sun),
+            transforms: pose.world.iter().map(|world| transform(relative(world, origin))).collect(),
+            environment: EnvironmentTable::build(environment),
+            emitters,
+            bounds: geometry.bounds,
+            warnings: geometry.warnings,
+        })
+    }
+
+    /// Length of the diagonal of all geometry, metres; 1 for an empty scene.
+    pub fn extent(&self) -> f32 {
+        let extent = (self.bounds.1 - self.bounds.0).length();
+        if extent.is_finite() && extent > 0.0 { extent } else { 1.0 }
+    }
+}
+
+/// A world transform relative to the floating origin.
+fn relative(world: &DAffine3, origin: DVec3) -> DAffine3 {
+    DAffine3 { matrix3: world.matrix3, translation: world.translation - origin }
+}
+
+fn rows(affine: DAffine3) -> [Vec4; 3] {
+    let m = affine.matrix3.transpose();
+    let t = affine.translation;
+    [m.x_axis.extend(t.x).as_vec4(), m.y_axis.extend(t.y).as_vec4(), m.z_axis.extend(t.z).as_vec4()]
+}
+
+fn transform(world: DAffine3) -> Transform {
+    let inverse = world.inverse();
+    // Nothing is visible of a node that is flattened; its surfels stay where they are.
+    let inverse = if inverse.is_finite() { inverse } else { DAffine3::IDENTITY };
+    Transform { to_world: rows(world), to_local: rows(inverse) }
+}

@@ -1,0 +1,176 @@
+//! The buffers that the host writes: scene, camera, settings.
+use super::Settings;
+use crate::data::*;
+use crate::device::DeviceScene;
+use crate::scene::Camera as SceneCamera;
+use crate::shared::batch;
+use bytemuck::Pod;
+use gibs_graph::{BackendError, Buffer, DispatchArgs, Executable, Graph};
+use glam::{DVec3, Vec4};
+
+/// Lengths of the scene's buffers, in elements, and what the scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneSizes {
+    nodes: u64,
+    triangles: u64,
+    instances: u64,
+    corners: u64,
+    materials: u64,
+    texels: u64,
+    lights: u64,
+    transforms: u64,
+    environment: u64,
+    wide_nodes: u64,
+    wide_packets: u64,
+}
+
+impl SceneSizes {
+    /// Sizes of a scene.
+    pub fn of(scene: &DeviceScene) -> Self {
+        Self {
+            nodes: scene.tree.nodes.len() as u64,
+            triangles: scene.tree.triangles.len() as u64,
+            instances: scene.tree.instances.len() as u64,
+            corners: scene.corners.len() as u64,
+            materials: scene.materials.len() as u64,
+            texels: scene.texels.len() as u64,
+            lights: scene.lights.len() as u64,
+            transforms: scene.transforms.len() as u64,
+            environment: scene.environment.texels.len() as u64,
+            wide_nodes: scene.wide.nodes.len() as u64,
+            wide_packets: scene.wide.packets.len() as u64,
+        }
+    }
+
+    /// Number of lights.
+    pub fn lights(&self) -> u64 {
+        self.lights
+    }
+}
+
+/// Handles of the buffers that the host writes.
+#[derive(Debug)]
+#[allow(missing_docs, reason = "each is named as its element type, which is documented")]
+pub struct SceneInputs {
+    pub nodes: Buffer<BvhNode>,
+    pub triangles: Buffer<Triangle>,
+    pub instances: Buffer<Instance>,
+    pub corners: Buffer<Corners>,
+    pub materials: Buffer<Material>,
+    pub texels: Buffer<u32>,
+    pub lights: Buffer<Light>,
+    pub transforms: Buffer<Transform>,
+    pub environment: Buffer<Vec4>,
+    pub wide_nodes: Buffer<WideNode>,
+    pub wide_packets: Buffer<WidePacket>,
+    pub camera: Buffer<Camera>,
+    pub frame: Buffer<Frame>,
+    pub pixels: Buffer<DispatchArgs>,
+}
+
+impl SceneInputs {
+    /// Declares the inputs in a graph.
+    pub fn declare(g: &mut Graph, sizes: &SceneSizes) -> Self {
+        Self {
+            nodes: g.input("scene_nodes", sizes.nodes),
+            triangles: g.input("scene_triangles", sizes.triangles),
+            instances: g.input("scene_instances", sizes.instances),
+            corners: g.input("scene_corners", sizes.corners),
+            materials: g.input("scene_materials", sizes.materials),
+            texels: g.input("scene_texels", sizes.texels),
+            lights: g.input("scene_lights", sizes.lights),
+            transforms: g.input("scene_transforms", sizes.transforms),
+            environment: g.input("scene_environment", sizes.environment),
+            wide_nodes: g.input("scene_wide_nodes", sizes.wide_nodes),
+            wide_packets: g.input("scene_wide_packets", sizes.wide_packets),
+            camera: g.input("camera", 1),
+            frame: g.input("frame", 1),
+            pixels: g.input("pixels", 1),
+        }
+    }
+}
+
+/// Writes `data` to the input called `key`, if the schedule has it.
+pub(crate) fn upload<T: Pod>(exec: &mut dyn Executable, key: &str, data: &[T]) -> Result<(), BackendError> {
+    match exec.schedule().resource(key) {
+        Some(resource) if !data.is_empty() => exec.upload(resource, 0, bytemuck::cast_slice(data)),
+        _ => Ok(()),
+    }
+}
+
+/// Writes everything of a scene that the schedule needs.
+///
+/// # Errors
+/// As [`Executable::upload`].
+pub fn upload_scene(exec: &mut dyn Executable, scene: &DeviceScene) -> Result<(), BackendError> {
+    upload(exec, "scene_nodes", &scene.tree.nodes)?;
+    upload(exec, "scene_triangles", &scene.tree.triangles)?;
+    upload(exec, "scene_instances", &scene.tree.instances)?;
+    upload(exec, "scene_corners", &scene.corners)?;
+    upload(exec, "scene_materials", &scene.materials)?;
+    upload(exec, "scene_texels", &scene.texels)?;
+    upload(exec, "scene_lights", &scene.lights)?;
+    upload(exec, "scene_transforms", &scene.transforms)?;
+    upload(exec, "scene_environment", &scene.environment.texels)?;
+    upload(exec, "scene_wide_nodes", &scene.wide.nodes)?;
+    upload(exec, "scene_wide_packets", &scene.wide.packets)
+}
+
+/// What the host says at the start of each frame.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameUpdate<'a> {
+    /// Camera, in world space.
+    pub camera: &'a SceneCamera,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Frame number.
+    pub number: u32,
+    /// Seed of the run.
+    pub seed: u32,
+}
+
+impl FrameUpdate<'_> {
+    /// The camera on the device, relative to the floating origin.
+    pub fn camera(&self, origin: DVec3) -> Camera {
+        let [right, up, forward] = self.camera.axes();
+        let [width, height] = self.size;
+        let tan = (self.camera.vfov * 0.5).tan();
+        let aspect = f64::from(width) / f64::from(height);
+        Camera {
+            eye: (self.camera.position - origin).as_vec3(),
+            width,
+            right: (right * tan * aspect).as_vec3(),
+            height,
+            up: (up * tan).as_vec3(),
+            pixel_angle: (2.0 * tan / f64::from(height)) as f32,
+            forward: forward.as_vec3(),
+            pad: 0,
+        }
+    }
+}
+
+/// Writes the inputs that change every frame.
+///
+/// # Errors
+/// As [`Executable::upload`].
+pub fn upload_frame(
+    exec: &mut dyn Executable,
+    scene: &DeviceScene,
+    settings: &Settings,
+    update: &FrameUpdate<'_>,
+) -> Result<(), BackendError> {
+    let camera = update.camera(scene.origin);
+    let frame = Frame {
+        number: update.number,
+        seed: update.seed,
+        lights: scene.lights.len() as u32,
+        lights_per_point: settings.lights_per_point(scene.lights.len() as u64),
+        environment_side: scene.environment.side,
+        ..Frame::default()
+    };
+    upload(exec, "camera", &[camera])?;
+    upload(exec, "frame", &[frame])?;
+    upload(exec, "grid", &[settings.grid(camera.eye, scene.extent())])?;
+    upload(exec, "settings", &[settings.device()])?;
+    upload(exec, "pixels", &[batch::args(update.size[0] * update.size[1])])
+}

@@ -1,0 +1,9 @@
+//! The frames: stages wired into graphs.
+mod inputs;
+mod settings;
+mod surfels;
+mod trace;
+
+pub use inputs::{FrameUpdate, SceneInputs, SceneSizes, upload_frame, upload_scene};
+pub use settings::{Settings, SettingError, SettingInfo};
+pub use surfels::{SurfelFrame, surfel_frame};

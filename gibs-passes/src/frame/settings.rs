@@ -1,0 +1,230 @@
+//! Every setting of the surfel frame, with unit, default and range.
+use crate::data::{GridShape, SurfelSettings};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Settings of the surfel frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// See [`Settings::all`].
+    pub surfels: u32,
+    /// See [`Settings::all`].
+    pub rays: u32,
+    /// See [`Settings::all`].
+    pub radius: f32,
+    /// See [`Settings::all`].
+    pub coverage: f32,
+    /// See [`Settings::all`].
+    pub lookup: u32,
+    /// See [`Settings::all`].
+    pub depth: bool,
+    /// See [`Settings::all`].
+    pub depth_blend: f32,
+    /// See [`Settings::all`].
+    pub clamp: bool,
+    /// See [`Settings::all`].
+    pub lights: u32,
+    /// See [`Settings::all`].
+    pub continuations: u32,
+    /// See [`Settings::all`].
+    pub grid_side: u32,
+    /// See [`Settings::all`].
+    pub grid_slices: u32,
+    /// See [`Settings::all`].
+    pub grid_half: f32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            surfels: 65_536,
+            rays: 100_000,
+            radius: 8.0,
+            coverage: 1.0,
+            lookup: 64,
+            depth: true,
+            depth_blend: 0.05,
+            clamp: true,
+            lights: 4,
+            continuations: 3,
+            grid_side: 32,
+            grid_slices: 96,
+            grid_half: 1.0 / 64.0,
+        }
+    }
+}
+
+/// Describes one setting.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SettingInfo {
+    /// Name, as in `--set name=value` and in settings files.
+    pub name: &'static str,
+    /// Unit; empty for a plain number.
+    pub unit: &'static str,
+    /// Default.
+    pub default: f64,
+    /// Least value.
+    pub least: f64,
+    /// Largest value.
+    pub most: f64,
+    /// What it does.
+    pub about: &'static str,
+}
+
+/// A setting that does not exist or does not take the value.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SettingError {
+    /// No such setting.
+    #[error("there is no setting `{name}`; `gibs settings` lists them all")]
+    Unknown {
+        /// Name given.
+        name: String,
+    },
+    /// Not a value of the setting's type.
+    #[error("setting `{name}` cannot be `{value}`: {want}")]
+    Value {
+        /// Name.
+        name: String,
+        /// Value given.
+        value: String,
+        /// What it takes.
+        want: String,
+    },
+}
+
+macro_rules! settings {
+    ($($name:ident: $kind:ident, $unit:literal, $least:expr, $most:expr, $about:literal;)*) => {
+        impl Settings {
+            /// Every setting.
+            pub fn all() -> Vec<SettingInfo> {
+                let defaults = Settings::default();
+                vec![$(SettingInfo {
+                    name: stringify!($name),
+                    unit: $unit,
+                    default: settings!(@number $kind defaults.$name),
+                    least: f64::from($least),
+                    most: f64::from($most),
+                    about: $about,
+                }),*]
+            }
+
+            /// Changes one setting from text.
+            ///
+            /// # Errors
+            /// An unknown name, or a value out of range.
+            pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
+                match name {
+                    $(stringify!($name) => {
+                        let wrong = || SettingError::Value {
+                            name: name.into(),
+                            value: value.into(),
+                            want: settings!(@want $kind, $least, $most),
+                        };
+                        let parsed = settings!(@parse $kind value).ok_or_else(wrong)?;
+                        let number = settings!(@number $kind parsed);
+                        if !(f64::from($least)..=f64::from($most)).contains(&number) {
+                            return Err(wrong());
+                        }
+                        self.$name = parsed;
+                        Ok(())
+                    })*
+                    _ => Err(SettingError::Unknown { name: name.into() }),
+                }
+            }
+
+            /// Holds every setting against its range; for settings that came from a file.
+            ///
+            /// # Errors
+            /// The first that is out of range.
+            pub fn check(&self) -> Result<(), SettingError> {
+                $(
+                    let number = settings!(@number $kind self.$name);
+                    if !(f64::from($least)..=f64::from($most)).contains(&number) {
+                        return Err(SettingError::Value {
+                            name: stringify!($name).into(),
+                            value: self.$name.to_string(),
+                            want: settings!(@want $kind, $least, $most),
+                        });
+                    }
+                )*
+                Ok(())
+            }
+        }
+    };
+    (@number bool $e:expr) => { f64::from(u8::from($e)) };
+    (@number $kind:ident $e:expr) => { f64::from($e) };
+    (@parse bool $e:expr) => { match $e { "true" | "on" | "1" => Some(true), "false" | "off" | "0" => Some(false), _ => None } };
+    (@parse $kind:ident $e:expr) => { $e.parse::<$kind>().ok() };
+    (@want bool, $least:expr, $most:expr) => { "it takes on or off".to_string() };
+    (@want u32, $least:expr, $most:expr) => { format!("it takes a whole number from {} to {}", $least, $most) };
+    (@want f32, $least:expr, $most:expr) => { format!("it takes a number from {} to {}", $least, $most) };
+}
+
+settings! {
+    surfels: u32, "surfels", 1, 1_048_576, "capacity of the surfel buffers";
+    rays: u32, "rays/frame", 0, 4_000_000, "global budget of surfel rays";
+    radius: f32, "pixels", 1.0, 64.0, "target radius of a surfel on screen";
+    coverage: f32, "", 0.1, 8.0, "summed weight of surfels at which spawning stops";
+    lookup: u32, "surfels", 1, 4096, "most surfels that a lookup visits in a cell";
+    depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
+    depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
+    clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
+    lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
+    continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
+    grid_side: u32, "cells", 4, 128, "cells along a side of the centre cube and across a slice";
+    grid_slices: u32, "slices", 1, 512, "slices along each half-axis";
+    grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
+}
+
+impl Settings {
+    /// Lights that are sampled per point in a scene of so many.
+    pub fn lights_per_point(&self, lights: u64) -> u32 {
+        lights.min(u64::from(self.lights)) as u32
+    }
+
+    /// The grid around an eye, for a scene of this diagonal, metres.
+    pub fn grid(&self, eye: Vec3, extent: f32) -> GridShape {
+        GridShape::new(eye, extent * self.grid_half, self.grid_side, self.grid_slices)
+    }
+
+    /// The settings as stages see them.
+    pub fn device(&self) -> SurfelSettings {
+        SurfelSettings {
+            capacity: self.surfels,
+            ray_budget: self.rays,
+            radius_pixels: self.radius,
+            coverage: self.coverage,
+            use_depth: u32::from(self.depth),
+            lookup: self.lookup,
+            depth_blend: self.depth_blend,
+            clamp: u32::from(self.clamp),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_within_its_range() {
+        Settings::default().check().expect("defaults are valid");
+        for info in Settings::all() {
+            assert!(!info.about.is_empty() && info.least <= info.default && info.default <= info.most, "{info:?}");
+        }
+    }
+
+    #[test]
+    fn bad_values_say_what_is_taken() {
+        let mut s = Settings::default();
+        s.set("rays", "1000").expect("in range");
+        assert_eq!(s.rays, 1000);
+        assert!(s.set("rays", "-1").unwrap_err().to_string().contains("from 0 to 4000000"));
+        assert!(s.set("depth", "maybe").unwrap_err().to_string().contains("on or off"));
+        assert!(s.set("radius", "NaN").is_err());
+        assert!(s.set("nonsense", "1").unwrap_err().to_string().contains("gibs settings"));
+    }
+}

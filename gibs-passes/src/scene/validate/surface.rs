@@ -1,0 +1,129 @@
+//! Checks of what surfaces are made of, and of the lights.
+use super::{SceneDataError, Tally, bad_value, check_index, check_radiance, label};
+use crate::scene::{AlphaMode, Light, LightKind, Material, Texture};
+use glam::Vec3;
+use std::f32::consts::FRAC_PI_2;
+
+/// Texel arrays match their sizes.
+pub(super) fn textures(textures: &[Texture]) -> Result<(), SceneDataError> {
+    for (i, texture) in textures.iter().enumerate() {
+        let texels = u64::from(texture.width) * u64::from(texture.height);
+        if texels == 0 || texels != texture.texels.len() as u64 {
+            let expected = format!(
+                "width {} x height {}, at least one,",
+                texture.width, texture.height
+            );
+            return Err(SceneDataError::Length {
+                element: label("texture", i, &texture.name),
+                what: "texels",
+                found: texture.texels.len(),
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Factors in range, textures there.
+pub(super) fn materials(
+    materials: &mut [Material],
+    texture_count: usize,
+    warnings: &mut Vec<String>,
+) -> Result<(), SceneDataError> {
+    let mut clamped = Tally::default();
+    for (i, material) in materials.iter_mut().enumerate() {
+        let name = material.name.clone();
+        let element = || label("material", i, &name);
+        for (what, value) in [
+            ("alpha", material.alpha),
+            ("transmission", material.transmission),
+        ] {
+            if !value.is_finite() {
+                return Err(bad_value(element(), what, value, "finite"));
+            }
+        }
+        if let AlphaMode::Mask(cutoff) = material.alpha_mode
+            && !cutoff.is_finite()
+        {
+            return Err(bad_value(element(), "alpha cutoff", cutoff, "finite"));
+        }
+        if !material.base_color.is_finite() {
+            return Err(bad_value(
+                element(),
+                "base colour",
+                material.base_color,
+                "finite",
+            ));
+        }
+        check_radiance(element, "emission", material.emission)?;
+        for texture in [material.base_color_texture, material.emission_texture]
+            .into_iter()
+            .flatten()
+        {
+            check_index(element, "texture", texture.texture, texture_count)?;
+            if !texture.transform.is_finite() {
+                return Err(bad_value(
+                    element(),
+                    "texture transform",
+                    texture.transform,
+                    "finite",
+                ));
+            }
+        }
+        let factors = (
+            material.base_color.clamp(Vec3::ZERO, Vec3::ONE),
+            material.alpha.clamp(0.0, 1.0),
+            material.transmission.clamp(0.0, 1.0),
+        );
+        if factors != (material.base_color, material.alpha, material.transmission) {
+            (material.base_color, material.alpha, material.transmission) = factors;
+            clamped.add(1, element);
+        }
+    }
+    clamped.report(
+        "material",
+        "materials",
+        "had a factor outside 0..1, which was clamped",
+        warnings,
+    );
+    Ok(())
+}
+
+/// Lights that shine, from nodes that exist, through cones that open.
+pub(super) fn lights(
+    lights: &mut [Light],
+    node_count: usize,
+    warnings: &mut Vec<String>,
+) -> Result<(), SceneDataError> {
+    let mut clamped = Tally::default();
+    for (i, light) in lights.iter_mut().enumerate() {
+        let element = || label("light", i, "");
+        check_index(element, "node", light.node, node_count)?;
+        check_radiance(element, "intensity", light.intensity)?;
+        if let LightKind::Spot { inner, outer } = &mut light.kind {
+            if !(inner.is_finite() && outer.is_finite() && *outer > 0.0) {
+                let angles = format!("{inner} (inner) and {outer} (outer) radians");
+                return Err(bad_value(
+                    element(),
+                    "cone",
+                    angles,
+                    "finite, and the outer angle above zero",
+                ));
+            }
+            let wide = outer.min(FRAC_PI_2);
+            // The falloff divides by the difference of the two, so equal angles become a very narrow rim.
+            let narrow = inner.clamp(0.0, wide * 0.999);
+            if (narrow, wide) != (*inner, *outer) {
+                (*inner, *outer) = (narrow, wide);
+                clamped.add(1, element);
+            }
+        }
+    }
+    clamped.report(
+        "spot light",
+        "spot lights",
+        "had angles outside 0 <= inner < outer <= 90 degrees, which were clamped",
+        warnings,
+    );
+    Ok(())
+}

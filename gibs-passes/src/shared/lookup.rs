@@ -1,0 +1,191 @@
+//! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
+//! Depth").
+use super::grid;
+use super::octahedral::hemisphere_encode;
+use super::sampling::to_local;
+use crate::data::{Gathered, GridShape, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use glam::{UVec2, Vec2, Vec3};
+
+/// Texels along each side of a depth function.
+pub const DEPTH_SIDE: u32 = 4;
+
+/// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
+pub const SQUASH: f32 = 2.0;
+
+/// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
+pub const LEAST_VARIANCE: f32 = 1e-4;
+
+/// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
+pub const CHEBYSHEV_FLOOR: f32 = 0.25;
+
+/// The first and second moment in a texel.
+#[inline]
+pub fn moments(texel: u32) -> Vec2 {
+    Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32) / 65_535.0
+}
+
+/// Moments in a texel, each in `[0, 1]`.
+#[inline]
+pub fn pack_moments(m: Vec2) -> u32 {
+    super::surface::unorm16(m.x) | (super::surface::unorm16(m.y) << 16)
+}
+
+/// Moments of the depth function in a direction of the surfel's frame, bilinear.
+#[inline]
+pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
+    let side = DEPTH_SIDE as f32;
+    let uv = hemisphere_encode(local) * side - 0.5;
+    let low = uv.floor();
+    let f = uv - low;
+    let at = |dx: f32, dy: f32| {
+        let x = (low.x + dx).clamp(0.0, side - 1.0) as usize;
+        let y = (low.y + dy).clamp(0.0, side - 1.0) as usize;
+        moments(depth.texels[y * DEPTH_SIDE as usize + x])
+    };
+    let top = at(0.0, 0.0) * (1.0 - f.x) + at(1.0, 0.0) * f.x;
+    let bottom = at(0.0, 1.0) * (1.0 - f.x) + at(1.0, 1.0) * f.x;
+    top * (1.0 - f.y) + bottom * f.y
+}
+
+/// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
+/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006).
+#[inline]
+pub fn chebyshev(m: Vec2, t: f32) -> f32 {
+    if t <= m.x {
+        return 1.0;
+    }
+    let variance = (m.y - m.x * m.x).max(LEAST_VARIANCE);
+    let d = t - m.x;
+    let bound = variance / (variance + d * d);
+    ((bound - CHEBYSHEV_FLOOR) / (1.0 - CHEBYSHEV_FLOOR)).max(0.0)
+}
+
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
+#[inline]
+pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+    let distance = d.length();
+    // Nothing fits between a surfel's centre and a point this close.
+    if distance < 0.02 * pose.radius {
+        return 1.0;
+    }
+    let local = to_local(d / distance, pose.normal);
+    let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
+    chebyshev(depth_moments(depth, clamped), distance / (2.0 * pose.radius))
+}
+
+/// Distance factor: 1 at the centre, 0 at the radius, smooth at both.
+#[inline]
+pub fn falloff(d: Vec3, pose: &SurfelPose) -> f32 {
+    let h = d.dot(pose.normal);
+    let squared = (d.dot(d) + (SQUASH * SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
+    let k = (1.0 - squared).max(0.0);
+    k * k
+}
+
+/// Normal factor of a surfel for a point.
+#[inline]
+pub fn alignment(normal: Vec3, pose: &SurfelPose) -> f32 {
+    let c = normal.dot(pose.normal).max(0.0);
+    c * c
+}
+
+/// The buffers of a lookup.
+#[derive(Clone, Copy)]
+pub struct Surfels<'a> {
+    /// First entry and number of entries of each cell.
+    pub cells: &'a [UVec2],
+    /// Surfels of all cells.
+    pub entries: &'a [u32],
+    /// Where surfels are.
+    pub poses: &'a [SurfelPose],
+    /// Their depth functions.
+    pub depths: &'a [SurfelDepth],
+}
+
+/// Summed weight of the surfels at a point: the same weights as [`gather`].
+pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, grid: &GridShape, settings: &SurfelSettings) -> f32 {
+    let cell = s.cells[grid::cell(point, grid) as usize];
+    let mut sum = 0.0;
+    for i in 0..cell.y.min(settings.lookup) {
+        let id = s.entries[(cell.x + i) as usize] as usize;
+        let pose = &s.poses[id];
+        let d = point - pose.position;
+        let mut weight = falloff(d, pose) * alignment(normal, pose);
+        if weight > 0.0 && settings.use_depth != 0 {
+            weight *= visibility(&s.depths[id], pose, d);
+        }
+        sum += weight;
+    }
+    sum
+}
+
+/// Irradiance at a point from the surfels in its cell that have integrated any rays.
+pub fn gather(
+    point: Vec3,
+    normal: Vec3,
+    s: &Surfels<'_>,
+    irradiance: &[SurfelIrradiance],
+    grid: &GridShape,
+    settings: &SurfelSettings,
+) -> Gathered {
+    let cell = s.cells[grid::cell(point, grid) as usize];
+    let mut g = Gathered::default();
+    for i in 0..cell.y.min(settings.lookup) {
+        let id = s.entries[(cell.x + i) as usize] as usize;
+        let pose = &s.poses[id];
+        let aligned = alignment(normal, pose);
+        if aligned <= 0.0 || irradiance[id].samples == 0 {
+            continue;
+        }
+        let d = point - pose.position;
+        let mut broad = aligned;
+        if settings.use_depth != 0 {
+            broad *= visibility(&s.depths[id], pose, d);
+        }
+        let weight = broad * falloff(d, pose);
+        let mean = irradiance[id].mean;
+        g.irradiance += mean * weight;
+        g.weight += weight;
+        g.average += mean * broad;
+        g.average_weight += broad;
+    }
+    if g.weight > 1.0 {
+        g.irradiance /= g.weight;
+        g.weight = 1.0;
+    }
+    if g.average_weight > 0.0 {
+        g.average /= g.average_weight;
+    }
+    g
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chebyshev_is_one_up_to_the_mean_and_falls_beyond() {
+        let m = Vec2::new(0.4, 0.17);
+        assert_eq!(chebyshev(m, 0.4), 1.0);
+        // variance 0.01, one standard deviation beyond: bound 1/2, after the floor 1/3.
+        assert!((chebyshev(m, 0.5) - 1.0 / 3.0).abs() < 1e-5);
+        assert_eq!(chebyshev(m, 0.9), 0.0);
+        // Zero variance never divides by zero.
+        assert!(chebyshev(Vec2::new(0.5, 0.25), 0.5 + 1e-6).is_finite());
+    }
+
+    #[test]
+    fn moments_survive_packing_at_their_extremes() {
+        for m in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.25, 0.75)] {
+            assert!((moments(pack_moments(m)) - m).abs().max_element() < 1.0 / 65_535.0);
+        }
+    }
+
+    #[test]
+    fn a_uniform_depth_function_is_uniform() {
+        let depth = SurfelDepth { texels: [pack_moments(Vec2::new(0.5, 0.25)); 16] };
+        for d in [Vec3::Z, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8)] {
+            assert!((depth_moments(&depth, d) - Vec2::new(0.5, 0.25)).abs().max_element() < 2e-5);
+        }
+    }
+}

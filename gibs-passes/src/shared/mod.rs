@@ -1,0 +1,14 @@
+//! Functions that several kernels share. Each module has a WGSL module of the same name in `shaders/modules`, written
+//! from the same formulas; they agree to the last bit where the device rounds `+ - * / sqrt` correctly.
+pub mod batch;
+pub mod environment;
+pub mod estimator;
+pub mod grid;
+pub mod hash;
+pub mod lookup;
+pub mod octahedral;
+pub mod portable;
+pub mod sampling;
+pub mod scan;
+pub mod surface;
+pub mod texture;

@@ -1,0 +1,113 @@
+//! Textures in packed storage, filtered alike on every backend: bilinear, no mip maps, sRGB decoded before filtering.
+use super::hash;
+use crate::data::{Material, NONE, Ray};
+use glam::{Vec2, Vec3, Vec4};
+
+/// Words at the start of the texel buffer that map an sRGB byte to linear, as bits of `f32`.
+pub const LUT: usize = 256;
+
+/// Bits of [`Material::flags`]: alpha mode.
+pub const ALPHA_MODE: u32 = 3;
+/// Alpha mode: cut out below the threshold.
+pub const MASK: u32 = 1;
+/// Alpha mode: alpha is coverage.
+pub const BLEND: u32 = 2;
+/// Bit of [`Material::flags`]: emission leaves both sides.
+pub const DOUBLE_SIDED: u32 = 4;
+
+/// Sampler bits: wrap of u in bits 0-1, of v in bits 2-3 (0 repeat, 1 mirror, 2 clamp), nearest in bit 4.
+pub const NEAREST: u32 = 16;
+
+/// The table of sRGB bytes (IEC 61966-2-1).
+pub fn srgb_table() -> [u32; LUT] {
+    std::array::from_fn(|i| {
+        let c = i as f64 / 255.0;
+        let linear = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        (linear as f32).to_bits()
+    })
+}
+
+#[inline]
+fn wrap(i: i32, size: i32, mode: u32) -> i32 {
+    match mode & 3 {
+        0 => ((i % size) + size) % size,
+        1 => {
+            let period = 2 * size;
+            let j = ((i % period) + period) % period;
+            if j < size { j } else { period - 1 - j }
+        }
+        _ => i.clamp(0, size - 1),
+    }
+}
+
+#[inline]
+fn texel(texels: &[u32], first: u32, size: (i32, i32), x: i32, y: i32, sampler: u32) -> Vec4 {
+    let (x, y) = (wrap(x, size.0, sampler), wrap(y, size.1, sampler >> 2));
+    let word = texels[(first as i32 + y * size.0 + x) as usize];
+    let linear = |byte: u32| f32::from_bits(texels[(byte & 0xff) as usize]);
+    Vec4::new(linear(word), linear(word >> 8), linear(word >> 16), (word >> 24) as f32 / 255.0)
+}
+
+/// Linear colour and alpha at texture coordinates `uv`, texel centres at half-integers.
+#[inline]
+pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Vec2) -> Vec4 {
+    let size = ((packed_size & 0xffff) as i32, (packed_size >> 16) as i32);
+    // Far coordinates are folded first, so that the integer conversion is exact.
+    let fold = |x: f32, mode: u32| if mode & 3 == 2 { x.clamp(-1.0, 2.0) } else { x - (x * 0.5).floor() * 2.0 };
+    let x = fold(uv.x, sampler) * size.0 as f32;
+    let y = fold(uv.y, sampler >> 2) * size.1 as f32;
+    if sampler & NEAREST != 0 {
+        return texel(texels, first, size, x.floor() as i32, y.floor() as i32, sampler);
+    }
+    let (x, y) = (x - 0.5, y - 0.5);
+    let (x0, y0) = (x.floor(), y.floor());
+    let (fx, fy) = (x - x0, y - y0);
+    let at = |dx: i32, dy: i32| texel(texels, first, size, x0 as i32 + dx, y0 as i32 + dy, sampler);
+    let top = at(0, 0) * (1.0 - fx) + at(1, 0) * fx;
+    let bottom = at(0, 1) * (1.0 - fx) + at(1, 1) * fx;
+    top * (1.0 - fy) + bottom * fy
+}
+
+#[inline]
+fn mapped(row: Vec3, uv: Vec2) -> f32 {
+    row.x * uv.x + row.y * uv.y + row.z
+}
+
+/// Albedo and coverage of a material.
+#[inline]
+pub fn base_color(material: &Material, texels: &[u32], uv: Vec2) -> Vec4 {
+    let factor = material.base_color.extend(material.alpha);
+    if material.base_texels == NONE {
+        return factor;
+    }
+    let uv = Vec2::new(mapped(material.base_u, uv), mapped(material.base_v, uv));
+    factor * sample(texels, material.base_texels, material.base_size, material.base_sampler, uv)
+}
+
+/// Emitted radiance of a material, W/(m^2 sr).
+#[inline]
+pub fn emission(material: &Material, texels: &[u32], uv: Vec2) -> Vec3 {
+    if material.emission_texels == NONE {
+        return material.emission;
+    }
+    let uv = Vec2::new(mapped(material.emission_u, uv), mapped(material.emission_v, uv));
+    let sampled = sample(texels, material.emission_texels, material.emission_size, material.emission_sampler, uv);
+    material.emission * Vec3::new(sampled.x, sampled.y, sampled.z)
+}
+
+/// A surface with coverage stops this ray. Cut-outs compare with the threshold; blended surfaces stop a ray with the
+/// probability of their coverage, by a hash of ray and triangle.
+#[inline]
+pub fn stops(material: &Material, texels: &[u32], uv: Vec2, ray: &Ray, triangle: u32) -> bool {
+    match material.flags & ALPHA_MODE {
+        MASK => base_color(material, texels, uv).w >= material.cutoff,
+        BLEND => {
+            if ray.t_min.is_sign_negative() {
+                return false;
+            }
+            let key = hash::hash3(ray.origin.x.to_bits(), ray.direction.y.to_bits(), ray.direction.z.to_bits());
+            hash::unit(hash::hash2(key ^ ray.origin.z.to_bits(), triangle)) < base_color(material, texels, uv).w
+        }
+        _ => true,
+    }
+}

@@ -1,0 +1,73 @@
+//! `spawn/gap_fill`: the least covered texel of each 16x16 tile (S2).
+use crate::data::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
+use crate::shared::{hash, lookup, octahedral, surface};
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
+    /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
+    /// Coverage is the summed weight of apply. One workgroup per tile.
+    pub stage GapFill {
+        wgsl: gibs_shaders::stages::GAP_FILL,
+        workgroup: [16, 16, 1],
+        ports: {
+            uniform camera: Camera,
+            uniform frame: Frame,
+            uniform grid: GridShape,
+            uniform settings: SurfelSettings,
+            read points: SurfacePoint,
+            read cells: UVec2,
+            read entries: u32,
+            read poses: SurfelPose,
+            read depths: SurfelDepth,
+            write candidates: u32,
+            write flags: u32,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+/// Side of a tile, texels.
+pub const TILE: u32 = 16;
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let surfels = lookup::Surfels {
+        cells: p.cells.slice(),
+        entries: p.entries.slice(),
+        poses: p.poses.slice(),
+        depths: p.depths.slice(),
+    };
+    let tile = group.linear();
+    let mut least = NONE;
+    for lane in 0..TILE * TILE {
+        let x = group.id[0] * TILE + lane % TILE;
+        let y = group.id[1] * TILE + lane / TILE;
+        if x >= p.camera.width || y >= p.camera.height {
+            continue;
+        }
+        let point = &p.points[(y * p.camera.width + x) as usize];
+        if !surface::is_surface(point) {
+            continue;
+        }
+        let normal = octahedral::unpack(point.shading_normal);
+        let coverage = lookup::coverage(point.position, normal, &surfels, p.grid, p.settings);
+        let share = (coverage / p.settings.coverage).min(1.0);
+        let tie = hash::hash3(tile, p.frame.number ^ p.frame.seed, lane) & 0xff;
+        least = least.min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);
+    }
+    let mut candidate = NONE;
+    if least != NONE {
+        let share = (least >> 16) as f32 / 65_534.0;
+        let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
+        if random < 1.0 - share {
+            let lane = least & 0xff;
+            let x = group.id[0] * TILE + lane % TILE;
+            let y = group.id[1] * TILE + lane / TILE;
+            candidate = y * p.camera.width + x;
+        }
+    }
+    p.candidates.set(tile as usize, candidate);
+    p.flags.set(tile as usize, u32::from(candidate != NONE));
+}

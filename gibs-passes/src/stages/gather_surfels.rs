@@ -1,0 +1,47 @@
+//! `*/gather_surfels`, `apply/lighting_apply`: irradiance at points from the surfels around them (S12).
+use crate::data::{Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::{lookup, octahedral, surface};
+use gibs_graph::{DispatchArgs, Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Finds each point's cell, takes its first N surfels and weights their irradiance by distance, normal and depth
+    /// function (GIBS, "Light Apply", "Radial Gaussian Depth").
+    pub stage GatherSurfels {
+        wgsl: gibs_shaders::stages::GATHER_SURFELS,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform batch: DispatchArgs,
+            uniform grid: GridShape,
+            uniform settings: SurfelSettings,
+            read points: SurfacePoint,
+            read cells: UVec2,
+            read entries: u32,
+            read poses: SurfelPose,
+            read irradiance: SurfelIrradiance,
+            read depths: SurfelDepth,
+            write gathered: Gathered,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let surfels = lookup::Surfels {
+        cells: p.cells.slice(),
+        entries: p.entries.slice(),
+        poses: p.poses.slice(),
+        depths: p.depths.slice(),
+    };
+    for i in group.range(p.batch.count) {
+        let point = &p.points[i];
+        let gathered = if surface::is_surface(point) {
+            let normal = octahedral::unpack(point.shading_normal);
+            lookup::gather(point.position, normal, &surfels, &p.irradiance, p.grid, p.settings)
+        } else {
+            Gathered::default()
+        };
+        p.gathered.set(i, gathered);
+    }
+}

@@ -1,0 +1,31 @@
+//! `persistent/grid_count`: how many surfels each cell lists.
+use crate::data::{GridShape, SurfelPose};
+use crate::shared::grid;
+use gibs_graph::{Workgroup, stage};
+
+stage! {
+    /// Counts every live surfel in each cell that its bounding box overlaps (S11).
+    pub stage GridCount {
+        wgsl: gibs_shaders::stages::GRID_COUNT,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform grid: GridShape,
+            read poses: SurfelPose,
+            atomic counts: u32,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.poses.len() as u32) {
+        let pose = &p.poses[i];
+        if pose.radius > 0.0 {
+            let (cells, count) = grid::overlapped(pose.position, pose.radius, p.grid);
+            for &cell in &cells[..count] {
+                p.counts.add(cell as usize, 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
+use crate::data::SurfelPose;
+use crate::shared::hash;
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Orders each cell's list by a hash of surfel identity, so that the first N are an unbiased subset and the same
+    /// on every run (X9). A list that does not fit is emptied, whatever arrived first, and its entries are counted.
+    pub stage GridOrder {
+        wgsl: gibs_shaders::stages::GRID_ORDER,
+        workgroup: [64, 1, 1],
+        ports: {
+            read poses: SurfelPose,
+            read starts: u32,
+            read counts: u32,
+            read_write entries: u32,
+            write cells: UVec2,
+            atomic overflow: u32,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+/// Sort key of a surfel; equal hashes fall back to the slot.
+#[inline]
+fn before(a: (u32, u32), b: (u32, u32)) -> bool {
+    a.0 < b.0 || (a.0 == b.0 && a.1 < b.1)
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for cell in group.range(p.cells.len() as u32) {
+        let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
+        if start + count > p.entries.len() {
+            p.overflow.add(0, count as u32);
+            p.cells.set(cell, UVec2::new(0, 0));
+            continue;
+        }
+        p.cells.set(cell, UVec2::new(start as u32, count as u32));
+        let key = |id: u32| (hash::pcg(p.poses[id as usize].identity), id);
+        // Shell sort: in place, and fast enough for lists of tens to hundreds.
+        let mut gap = count / 2;
+        while gap > 0 {
+            for i in gap..count {
+                let moving = p.entries.get(start + i);
+                let moving_key = key(moving);
+                let mut j = i;
+                while j >= gap {
+                    let other = p.entries.get(start + j - gap);
+                    if !before(moving_key, key(other)) {
+                        break;
+                    }
+                    p.entries.set(start + j, other);
+                    j -= gap;
+                }
+                p.entries.set(start + j, moving);
+            }
+            gap /= 2;
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! `persistent/integrate`: rays into irradiance and depth function (I1, I3, S14).
+use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::lookup::{DEPTH_SIDE, moments, pack_moments};
+use crate::shared::{estimator, octahedral, sampling};
+use gibs_graph::{Workgroup, stage};
+use glam::{Vec2, Vec3, Vec4};
+use std::f32::consts::PI;
+
+stage! {
+    /// Feeds each surfel's mean of `pi * radiance` (the estimator of irradiance under `cos / pi`) to its multiscale
+    /// mean, and each ray's distance to its depth function (GIBS, "Radial Gaussian Depth"): those that go farther
+    /// than the diameter count as the diameter. A surfel without rays is left as it is.
+    pub stage Integrate {
+        wgsl: gibs_shaders::stages::INTEGRATE,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform settings: SurfelSettings,
+            read poses: SurfelPose,
+            read offsets: u32,
+            read rays: Ray,
+            read hits: Hit,
+            read radiance: Vec4,
+            read_write irradiance: SurfelIrradiance,
+            read_write depths: SurfelDepth,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.poses.len() as u32) {
+        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
+        if first == last {
+            continue;
+        }
+        let pose = &p.poses[i];
+        let mut sum = Vec3::ZERO;
+        let mut depth = p.depths.get(i);
+        for ray in first..last {
+            sum += p.radiance[ray].truncate();
+            let local = sampling::to_local(p.rays[ray].direction, pose.normal);
+            let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
+            let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
+            let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
+            let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
+            let old = moments(depth.texels[texel]);
+            let new = old + (Vec2::new(t, t * t) - old) * p.settings.depth_blend;
+            depth.texels[texel] = pack_moments(new);
+        }
+        p.depths.set(i, depth);
+        let rays = (last - first) as u32;
+        let sample = sum * (PI / rays as f32);
+        let clamp = p.settings.clamp != 0;
+        p.irradiance.set(i, estimator::update(&p.irradiance.get(i), sample, rays, clamp));
+    }
+}

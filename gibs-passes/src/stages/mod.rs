@@ -1,0 +1,29 @@
+//! The stages: one file each, with what it reads and writes, the formula with its source, and the CPU kernel.
+//! The device kernel of each has the same name in `shaders/stages`.
+pub mod allocate_rays;
+pub mod batch_args;
+pub mod compose;
+pub mod continue_paths;
+pub mod gap_fill;
+pub mod gather_direct;
+pub mod gather_surfels;
+pub mod generate_rays;
+pub mod grid_count;
+pub mod grid_order;
+pub mod grid_scatter;
+pub mod integrate;
+pub mod light_batch;
+pub mod positional_update;
+pub mod primary_rays;
+pub mod request_rays;
+pub mod resolve_hits;
+pub mod sample_lights;
+pub mod scan_apply;
+pub mod scan_blocks;
+pub mod scan_sums;
+pub mod shade_hits;
+pub mod spawn;
+pub mod spawn_claim;
+pub mod spawn_commit;
+pub mod trace_any;
+pub mod trace_closest;

@@ -1,0 +1,48 @@
+//! `persistent/positional_update`: surfels follow the surfaces that they were born on (S5), and their radius follows
+//! the camera (S8).
+use super::resolve_hits::{map_point, map_transposed};
+use crate::data::{Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
+use crate::shared::{grid, octahedral};
+use gibs_graph::{Workgroup, stage};
+use glam::Vec3;
+
+stage! {
+    /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
+    /// "Surfelization of the Scene", "Scale").
+    pub stage PositionalUpdate {
+        wgsl: gibs_shaders::stages::POSITIONAL_UPDATE,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform camera: Camera,
+            uniform grid: GridShape,
+            uniform settings: SurfelSettings,
+            read births: SurfelBirth,
+            read transforms: Transform,
+            read_write poses: SurfelPose,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+/// Radius whose projection is `radius_pixels` at this distance from the eye, within what the grid allows, metres.
+#[inline]
+pub fn radius_at(position: Vec3, camera: &Camera, shape: &GridShape, settings: &SurfelSettings) -> f32 {
+    let wanted = settings.radius_pixels * camera.pixel_angle * (position - camera.eye).length();
+    wanted.min(grid::cell_side(position, shape) * grid::RADIUS_SHARE)
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.settings.capacity) {
+        let pose = p.poses.get(i);
+        if pose.radius <= 0.0 {
+            continue;
+        }
+        let birth = &p.births[i];
+        let transform = &p.transforms[birth.transform_id as usize];
+        let position = map_point(&transform.to_world, birth.position);
+        let normal = map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
+        let radius = radius_at(position, p.camera, p.grid, p.settings);
+        p.poses.set(i, SurfelPose { position, radius, normal, identity: pose.identity });
+    }
+}

@@ -1,0 +1,106 @@
+//! `*/resolve_hits`: what the surface is like where each ray hit.
+use super::trace_closest::uv_at;
+use crate::data::{Corners, Hit, Instance, Material, NONE, Ray, SurfacePoint, Triangle};
+use crate::shared::{octahedral, surface, texture};
+use gibs_graph::{DispatchArgs, Workgroup, stage};
+use glam::{Vec3, Vec4};
+
+stage! {
+    /// Position, normals, albedo, emission and transform id of each hit. Normals face the ray; emission leaves the
+    /// front only, or both sides of a two-sided material.
+    pub stage ResolveHits {
+        wgsl: gibs_shaders::stages::RESOLVE_HITS,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform batch: DispatchArgs,
+            read rays: Ray,
+            read hits: Hit,
+            read triangles: Triangle,
+            read instances: Instance,
+            read corners: Corners,
+            read materials: Material,
+            read texels: u32,
+            write points: SurfacePoint,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+#[inline]
+fn xyz(v: Vec4) -> Vec3 {
+    Vec3::new(v.x, v.y, v.z)
+}
+
+/// An affine map given by rows, applied to a point.
+#[inline]
+pub fn map_point(rows: &[Vec4; 3], p: Vec3) -> Vec3 {
+    Vec3::new(xyz(rows[0]).dot(p) + rows[0].w, xyz(rows[1]).dot(p) + rows[1].w, xyz(rows[2]).dot(p) + rows[2].w)
+}
+
+/// The transpose of a linear map given by rows, applied to a vector. With the inverse map's rows, this maps normals.
+#[inline]
+pub fn map_transposed(rows: &[Vec4; 3], v: Vec3) -> Vec3 {
+    xyz(rows[0]) * v.x + xyz(rows[1]) * v.y + xyz(rows[2]) * v.z
+}
+
+/// Magnitude of the numbers that made a position: where each coordinate's rounding error comes from.
+#[inline]
+fn magnitude(rows: &[Vec4; 3], reach: Vec3) -> f32 {
+    let row = |r: Vec4| xyz(r).abs().dot(reach) + r.w.abs();
+    row(rows[0]).max(row(rows[1])).max(row(rows[2]))
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.batch.count) {
+        let hit = p.hits[i];
+        if hit.instance == NONE {
+            p.points.set(i, surface::MISS);
+            continue;
+        }
+        let direction = p.rays[i].direction;
+        let triangle = &p.triangles[hit.triangle as usize];
+        let instance = &p.instances[hit.instance as usize];
+        let corners = &p.corners[triangle.primitive as usize];
+        let material = &p.materials[triangle.material() as usize];
+        let local = triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v;
+        let position = map_point(&instance.object_to_world, local);
+        let reach = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
+        let offset = magnitude(&instance.object_to_world, reach) * surface::OFFSET;
+        // The counter-clockwise side; a mirroring map turns the winding, not the side.
+        let face = map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
+        let front = face.dot(direction) < 0.0;
+        let side = if front { 1.0 } else { -1.0 };
+        let mut smooth = face;
+        if corners.smooth != 0 {
+            let [a, b, c] = corners.normals.map(octahedral::unpack);
+            let mixed = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+            let mapped = map_transposed(&instance.world_to_object, mixed);
+            if mapped.dot(mapped) > 0.0 {
+                smooth = mapped.normalize();
+            }
+            // A vertex normal that contradicts the winding is taken for the same side.
+            if smooth.dot(face) < 0.0 {
+                smooth = -smooth;
+            }
+        }
+        let uv = uv_at(corners, hit.u, hit.v);
+        let color = texture::base_color(material, &p.texels, uv);
+        let shines = front || material.flags & texture::DOUBLE_SIDED != 0;
+        let emission = if shines { texture::emission(material, &p.texels, uv) } else { Vec3::ZERO };
+        let emitter = if shines && material.emission_texels == NONE { surface::EMITTER } else { 0 };
+        let (albedo_rg, albedo_b_flags) = surface::pack_albedo(xyz(color), emitter);
+        let transform_id =
+            if triangle.transform_id == NONE { instance.transform_id } else { triangle.transform_id };
+        p.points.set(i, SurfacePoint {
+            position,
+            offset,
+            geometric_normal: octahedral::pack(face * side),
+            shading_normal: octahedral::pack(smooth * side),
+            albedo_rg,
+            albedo_b_flags,
+            emission,
+            transform_id,
+        });
+    }
+}

@@ -1,0 +1,64 @@
+//! `spawn/write_to_persistent_storage`: new surfels from the G-buffer (S1-S3).
+use super::positional_update::radius_at;
+use super::resolve_hits::{map_point, map_transposed};
+use crate::data::{
+    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
+    SurfelSettings, Transform,
+};
+use crate::shared::{hash, octahedral};
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with the geometric normal,
+    /// its depth function at the diameter everywhere, no irradiance yet. Its identity is a hash of tile and frame.
+    pub stage Spawn {
+        wgsl: gibs_shaders::stages::SPAWN,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform camera: Camera,
+            uniform frame: Frame,
+            uniform grid: GridShape,
+            uniform settings: SurfelSettings,
+            read claims: UVec2,
+            read points: SurfacePoint,
+            read transforms: Transform,
+            write births: SurfelBirth,
+            write poses: SurfelPose,
+            write irradiance: SurfelIrradiance,
+            write depths: SurfelDepth,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for tile in group.range(p.claims.len() as u32) {
+        let claim = p.claims[tile];
+        if claim.x == NONE {
+            continue;
+        }
+        let slot = claim.x as usize;
+        let point = &p.points[claim.y as usize];
+        let transform = &p.transforms[point.transform_id as usize];
+        let normal = octahedral::unpack(point.geometric_normal);
+        let local = map_transposed(&transform.to_world, normal).normalize();
+        p.births.set(slot, SurfelBirth {
+            position: map_point(&transform.to_local, point.position),
+            transform_id: point.transform_id,
+            normal: octahedral::pack(local),
+            frame: p.frame.number,
+            offset: point.offset,
+            pad: 0,
+        });
+        p.poses.set(slot, SurfelPose {
+            position: point.position,
+            radius: radius_at(point.position, p.camera, p.grid, p.settings),
+            normal,
+            identity: hash::hash3(tile as u32, p.frame.number, p.frame.seed),
+        });
+        p.irradiance.set(slot, SurfelIrradiance::default());
+        p.depths.set(slot, SurfelDepth { texels: [u32::MAX; 16] });
+    }
+}

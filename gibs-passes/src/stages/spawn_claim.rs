@@ -1,0 +1,35 @@
+//! `spawn/spawn_claim`: a free slot for each birth (S4).
+use crate::data::{NONE, SurfelCounters};
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Pops the free stack for each tile with a candidate, by rank, so that no race decides. `claims` is (slot, texel);
+    /// the slot is `NONE` where no surfel is born or none is free.
+    pub stage SpawnClaim {
+        wgsl: gibs_shaders::stages::SPAWN_CLAIM,
+        workgroup: [64, 1, 1],
+        ports: {
+            read candidates: u32,
+            read ranks: u32,
+            read counters: SurfelCounters,
+            read free_slots: u32,
+            write claims: UVec2,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for tile in group.range(p.candidates.len() as u32) {
+        let (candidate, rank) = (p.candidates[tile], p.ranks[tile]);
+        let free = p.counters[0].free;
+        let claim = if candidate != NONE && rank < free {
+            UVec2::new(p.free_slots[(free - 1 - rank) as usize], candidate)
+        } else {
+            UVec2::new(NONE, NONE)
+        };
+        p.claims.set(tile, claim);
+    }
+}

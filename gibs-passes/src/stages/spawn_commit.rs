@@ -1,0 +1,26 @@
+//! `spawn/spawn_commit`: the free stack after this frame's births.
+use crate::data::SurfelCounters;
+use gibs_graph::{Workgroup, stage};
+
+stage! {
+    /// Takes the claimed slots off the stack and counts births that found none.
+    pub stage SpawnCommit {
+        wgsl: gibs_shaders::stages::SPAWN_COMMIT,
+        workgroup: [1, 1, 1],
+        ports: {
+            read total: u32,
+            read_write counters: SurfelCounters,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, _: Workgroup) {
+    let mut counters = p.counters.get(0);
+    let wanted = p.total[0];
+    let born = wanted.min(counters.free);
+    counters.free -= born;
+    counters.starved = counters.starved.wrapping_add(wanted - born);
+    p.counters.set(0, counters);
+}

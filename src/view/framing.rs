@@ -1,0 +1,96 @@
+//! A view of a scene that came without one.
+use super::{DEFAULT_RESOLUTION, View};
+use gibs_passes::scene::{Camera, Environment, NodeId, Pose, Scene, Sun};
+use glam::{DAffine3, DVec3, Vec3};
+
+/// Vertical field of view of a camera that is made up, radians (45 degrees).
+const VFOV: f64 = std::f64::consts::FRAC_PI_4;
+
+/// From the scene's middle to a camera that is made up: from the front (+z), somewhat right and above.
+const TOWARDS_CAMERA: DVec3 = DVec3::new(0.55, 0.4, 1.0);
+
+impl View {
+    /// A view of `scene` in its rest pose.
+    ///
+    /// - Camera: the scene's first one, which stands in its node's space; else one outside that shows the bounding
+    ///   sphere of everything that is drawn.
+    /// - Light: if the scene has neither lights nor emission, a soft sky (0.35, 0.45, 0.6) and a sun of 5 W/m^2;
+    ///   else nothing beside the scene's own.
+    /// - Size: [`DEFAULT_RESOLUTION`].
+    ///
+    /// # Panics
+    /// If the scene does not pass [`Scene::validate`].
+    pub fn framing(scene: &Scene) -> View {
+        let pose = scene.pose(&[]);
+        let camera = scene
+            .cameras
+            .first()
+            .and_then(|(node, camera)| {
+                let world = pose.world.get(*node as usize)?;
+                Some(placed(camera, world))
+            })
+            .unwrap_or_else(|| around(bounds(scene, &pose)));
+        let (sun, environment) = match is_lit(scene) {
+            true => (None, Environment::default()),
+            false => (
+                Some(Sun {
+                    direction: DVec3::new(-0.45, -0.8, -0.4).normalize(),
+                    irradiance: Vec3::new(5.0, 4.7, 4.2),
+                }),
+                Environment::Constant(Vec3::new(0.35, 0.45, 0.6)),
+            ),
+        };
+        View {
+            scene: None,
+            camera,
+            resolution: DEFAULT_RESOLUTION,
+            sun,
+            environment,
+            animation: Vec::new(),
+            exposure: 1.0,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// The camera in world space.
+fn placed(camera: &Camera, world: &DAffine3) -> Camera {
+    Camera {
+        position: world.transform_point3(camera.position),
+        target: world.transform_point3(camera.target),
+        up: world.transform_vector3(camera.up).normalize_or(DVec3::Y),
+        vfov: camera.vfov,
+    }
+}
+
+/// A camera that shows a box.
+fn around([low, high]: [DVec3; 2]) -> Camera {
+    let target = (low + high) / 2.0;
+    // A point or an empty scene still needs a distance.
+    let radius = (high - low).length().max(1e-3) / 2.0;
+    let position = target + TOWARDS_CAMERA.normalize() * radius / (VFOV / 2.0).sin();
+    Camera { position, target, up: DVec3::Y, vfov: VFOV }
+}
+
+/// Whether anything in the scene shines.
+fn is_lit(scene: &Scene) -> bool {
+    let shines = |mesh: &u32| {
+        (scene.meshes.get(*mesh as usize))
+            .and_then(|mesh| scene.materials.get(mesh.material as usize))
+            .is_some_and(|material| material.emission.max_element() > 0.0)
+    };
+    !scene.lights.is_empty() || scene.nodes.iter().any(|node| node.meshes.iter().any(shines))
+}
+
+/// Least and greatest coordinates of what is drawn; of the unit cube if that is nothing.
+fn bounds(scene: &Scene, pose: &Pose) -> [DVec3; 2] {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for (id, node) in scene.nodes.iter().enumerate() {
+        for &mesh in &node.meshes {
+            for point in scene.skinned_positions(pose, id as NodeId, mesh).positions {
+                (low, high) = (low.min(point), high.max(point));
+            }
+        }
+    }
+    if low.x > high.x { [DVec3::splat(-0.5), DVec3::splat(0.5)] } else { [low, high] }
+}
