@@ -1,1 +1,4 @@
-fn main() {}
+//! The program `gibs`.
+fn main() -> std::process::ExitCode {
+    gibs::cli::main()
+}

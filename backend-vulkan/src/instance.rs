@@ -23,6 +23,8 @@ pub(crate) struct Instance {
     pub api: u32,
     /// Objects and command buffers can be named.
     pub names: bool,
+    /// The validation layer looks for missing barriers.
+    pub checks_hazards: bool,
     pub log: ValidationLog,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     owned: bool,
@@ -122,6 +124,7 @@ impl Instance {
             raw,
             api,
             names,
+            checks_hazards: options.sync_validation,
             log,
             messenger: None,
             owned: true,
@@ -139,6 +142,7 @@ impl Instance {
             raw,
             api,
             names: false,
+            checks_hazards: false,
             log: ValidationLog::default(),
             messenger: None,
             owned: false,

@@ -1,5 +1,6 @@
 //! Kernels: WGSL to SPIR-V to pipelines, built once per device.
 use crate::device::Device;
+use crate::spirv::fold_access_chains;
 use ash::vk;
 use gibs_graph::{Access, BackendError, DispatchStep, Schedule, Step};
 use gibs_shaders::Compiler;
@@ -147,9 +148,12 @@ impl Kernel {
         let compiled = compiler
             .compile(&dispatch.kernel.wgsl)
             .map_err(|e| refused(e.to_string()))?;
-        let words = compiled
+        let mut words = compiled
             .spirv(device.adapter.spirv())
             .map_err(|e| refused(e.to_string()))?;
+        if device.instance.checks_hazards {
+            words = fold_access_chains(&words);
+        }
         let (found, stated) = (compiled.workgroup_size(), dispatch.kernel.workgroup);
         if found != stated {
             return Err(refused(format!(

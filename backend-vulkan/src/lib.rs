@@ -19,6 +19,7 @@ mod kernels;
 mod limits;
 mod memory;
 mod record;
+mod spirv;
 mod storage;
 mod stream;
 mod timing;

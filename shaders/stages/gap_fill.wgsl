@@ -1,1 +1,70 @@
-@compute @workgroup_size(1) fn main() {}
+// The least covered texel of each 16x16 tile, and whether a surfel will be born there. One workgroup per tile.
+import package::coverage::lookup_coverage;
+import package::hash::{hash_hash3, hash_unit};
+import package::invocation::invocation_group;
+import package::octahedral::octahedral_unpack;
+import package::surface::surface_is_surface;
+import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> frame: Frame;
+@group(0) @binding(2) var<uniform> grid: GridShape;
+@group(0) @binding(3) var<uniform> settings: SurfelSettings;
+@group(0) @binding(4) var<storage, read> points: array<SurfacePoint>;
+@group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(6) var<storage, read> entries: array<u32>;
+@group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@group(0) @binding(9) var<storage, read_write> candidates: array<u32>;
+@group(0) @binding(10) var<storage, read_write> flags: array<u32>;
+
+/// Side of a tile, texels.
+const TILE: u32 = 16u;
+
+/// Share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
+var<workgroup> least: atomic<u32>;
+
+/// The texel of a lane.
+fn texel(group: vec3<u32>, lane: u32) -> vec2<u32> {
+    return group.xy * TILE + vec2<u32>(lane % TILE, lane / TILE);
+}
+
+@compute @workgroup_size(16, 16)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let tile = invocation_group(group, groups);
+    if lane == 0u {
+        atomicStore(&least, NONE);
+    }
+    workgroupBarrier();
+    let at = texel(group, lane);
+    if at.x < camera.width && at.y < camera.height {
+        let point = points[at.y * camera.width + at.x];
+        if surface_is_surface(point) {
+            let normal = octahedral_unpack(point.shading_normal);
+            let coverage = lookup_coverage(point.position, normal);
+            let share = min(coverage / settings.coverage, 1.0);
+            let tie = hash_hash3(tile, frame.number ^ frame.seed, lane) & 0xffu;
+            atomicMin(&least, (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
+        }
+    }
+    workgroupBarrier();
+    if lane != 0u {
+        return;
+    }
+    let found = atomicLoad(&least);
+    var candidate = NONE;
+    if found != NONE {
+        let share = f32(found >> 16u) / 65534.0;
+        let random = hash_unit(hash_hash3(frame.number, tile, frame.seed));
+        if random < 1.0 - share {
+            let chosen = texel(group, found & 0xffu);
+            candidate = chosen.y * camera.width + chosen.x;
+        }
+    }
+    candidates[tile] = candidate;
+    flags[tile] = select(0u, 1u, candidate != NONE);
+}

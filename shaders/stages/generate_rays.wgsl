@@ -1,1 +1,38 @@
-@compute @workgroup_size(1) fn main() {}
+// Rays over each surfel's cosine lobe, from its own shifted low-discrepancy sequence.
+import package::hash::{hash_hash2, hash_hash3};
+import package::invocation::invocation_index;
+import package::sampling::{sampling_cosine_hemisphere, sampling_r2, sampling_start, sampling_to_world};
+import package::types::{F32_MAX, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose};
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(2) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(3) var<storage, read> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(4) var<storage, read> offsets: array<u32>;
+@group(0) @binding(5) var<storage, read_write> rays: array<Ray>;
+@group(0) @binding(6) var<storage, read_write> paths: array<Path>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    let first = offsets[i];
+    let last = offsets[i + 1u];
+    let pose = poses[i];
+    let surfel_seed = hash_hash2(pose.identity, frame.seed);
+    let shift = vec2<u32>(hash_hash2(surfel_seed, 0u), hash_hash2(surfel_seed, 1u));
+    for (var ray = first; ray < last; ray++) {
+        let uv = sampling_r2(irradiance[i].samples + (ray - first), shift);
+        let direction = sampling_to_world(sampling_cosine_hemisphere(uv.x, uv.y), pose.normal);
+        let origin = sampling_start(pose.position, pose.normal, births[i].offset, direction);
+        rays[ray] = Ray(origin, 0.0, direction, F32_MAX);
+        let seed = hash_hash3(surfel_seed, frame.number, ray - first);
+        paths[ray] = Path(vec3<f32>(1.0), ray, seed, 0u, 0u, 0u);
+    }
+}

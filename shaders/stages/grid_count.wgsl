@@ -1,1 +1,27 @@
-@compute @workgroup_size(1) fn main() {}
+// How many surfels each cell lists: every live surfel counts in each cell that its bounding box overlaps.
+import package::grid::grid_overlapped;
+import package::invocation::invocation_index;
+import package::types::{GridShape, SurfelPose};
+
+@group(0) @binding(0) var<uniform> grid: GridShape;
+@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    let pose = poses[i];
+    if pose.radius > 0.0 {
+        var overlapped = grid_overlapped(pose.position, pose.radius, grid);
+        for (var k = 0u; k < overlapped.count; k++) {
+            atomicAdd(&counts[overlapped.cells[k]], 1u);
+        }
+    }
+}

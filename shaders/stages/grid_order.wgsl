@@ -1,1 +1,58 @@
-@compute @workgroup_size(1) fn main() {}
+// The lists of the cells, ordered by a hash of surfel identity; one that does not fit is emptied.
+import package::hash::hash_pcg;
+import package::invocation::invocation_index;
+import package::types::SurfelPose;
+
+@group(0) @binding(0) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(1) var<storage, read> starts: array<u32>;
+@group(0) @binding(2) var<storage, read> counts: array<u32>;
+@group(0) @binding(3) var<storage, read_write> entries: array<u32>;
+@group(0) @binding(4) var<storage, read_write> cells: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
+
+/// Sort key of a surfel: hash, then slot.
+fn key(id: u32) -> vec2<u32> {
+    return vec2<u32>(hash_pcg(poses[id].identity), id);
+}
+
+fn precedes(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let cell = invocation_index(group, groups, 64u, lane);
+    if cell >= arrayLength(&cells) {
+        return;
+    }
+    let start = starts[cell];
+    let count = counts[cell];
+    let room = arrayLength(&entries);
+    if count > room || start > room - count {
+        atomicAdd(&overflow[0], count);
+        cells[cell] = vec2<u32>(0u, 0u);
+        return;
+    }
+    cells[cell] = vec2<u32>(start, count);
+    // Shell sort: in place, and fast enough for lists of tens to hundreds.
+    for (var gap = count / 2u; gap > 0u; gap = gap / 2u) {
+        for (var i = gap; i < count; i++) {
+            let moving = entries[start + i];
+            let moving_key = key(moving);
+            var j = i;
+            while j >= gap {
+                let other = entries[start + j - gap];
+                if !precedes(moving_key, key(other)) {
+                    break;
+                }
+                entries[start + j] = other;
+                j -= gap;
+            }
+            entries[start + j] = moving;
+        }
+    }
+}

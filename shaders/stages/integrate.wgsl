@@ -1,1 +1,60 @@
-@compute @workgroup_size(1) fn main() {}
+// Rays into irradiance and depth function of the surfels that they began on.
+import package::estimator::estimator_update;
+import package::invocation::invocation_index;
+import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_moments, lookup_pack_moments};
+import package::octahedral::octahedral_hemisphere_encode;
+import package::sampling::sampling_to_local;
+import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+
+@group(0) @binding(0) var<uniform> settings: SurfelSettings;
+@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(2) var<storage, read> offsets: array<u32>;
+@group(0) @binding(3) var<storage, read> rays: array<Ray>;
+@group(0) @binding(4) var<storage, read> hits: array<Hit>;
+@group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read_write> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+
+const PI: f32 = 3.1415927;
+
+/// Row or column of the depth function for a coordinate in `[0, 1]`.
+fn depth_index(x: f32) -> u32 {
+    return min(u32(max(x * f32(LOOKUP_DEPTH_SIDE), 0.0)), LOOKUP_DEPTH_SIDE - 1u);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    let first = offsets[i];
+    let last = offsets[i + 1u];
+    if first == last {
+        return;
+    }
+    let pose = poses[i];
+    let diameter = 2.0 * pose.radius;
+    var sum = vec3<f32>(0.0);
+    for (var ray = first; ray < last; ray++) {
+        sum += radiance[ray].xyz;
+        let local = sampling_to_local(rays[ray].direction, pose.normal);
+        let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
+        let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
+        // Compared before it is divided: the distance of a miss over the diameter would overflow.
+        var t = 1.0;
+        if hits[ray].t < diameter {
+            t = hits[ray].t / diameter;
+        }
+        let old = lookup_moments(depths[i].texels[texel]);
+        let new_moments = old + (vec2<f32>(t, t * t) - old) * settings.depth_blend;
+        depths[i].texels[texel] = lookup_pack_moments(new_moments);
+    }
+    let count = last - first;
+    let sample = sum * (PI / f32(count));
+    irradiance[i] = estimator_update(irradiance[i], sample, count, settings.clamp != 0u);
+}

@@ -1,1 +1,36 @@
-@compute @workgroup_size(1) fn main() {}
+// Surfels follow the surfaces that they were born on, and their radius follows the camera.
+import package::affine::{affine_map_point, affine_map_transposed};
+import package::invocation::invocation_index;
+import package::octahedral::octahedral_unpack;
+import package::surfel::surfel_radius_at;
+import package::types::{Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
+import package::vector::vector_normalize;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> grid: GridShape;
+@group(0) @binding(2) var<uniform> settings: SurfelSettings;
+@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(4) var<storage, read> transforms: array<Transform>;
+@group(0) @binding(5) var<storage, read_write> poses: array<SurfelPose>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= settings.capacity {
+        return;
+    }
+    let pose = poses[i];
+    if pose.radius <= 0.0 {
+        return;
+    }
+    let birth = births[i];
+    let transform = transforms[birth.transform_id];
+    let position = affine_map_point(transform.to_world, birth.position);
+    let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
+    let radius = surfel_radius_at(position, camera, grid, settings);
+    poses[i] = SurfelPose(position, radius, normal, pose.identity);
+}

@@ -1,1 +1,53 @@
-@compute @workgroup_size(1) fn main() {}
+// Radiance that comes back along each ray, and which paths go on.
+import package::environment::environment_radiance;
+import package::hash::{hash_pcg, hash_unit};
+import package::invocation::invocation_index;
+import package::surface::{surface_albedo, surface_is_surface};
+import package::types::{DispatchArgs, Frame, Gathered, Path, Ray, SurfacePoint};
+import package::vector::vector_max_element;
+
+@group(0) @binding(0) var<uniform> batch: DispatchArgs;
+@group(0) @binding(1) var<uniform> frame: Frame;
+@group(0) @binding(2) var<storage, read> rays: array<Ray>;
+@group(0) @binding(3) var<storage, read> points: array<SurfacePoint>;
+@group(0) @binding(4) var<storage, read> direct: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> gathered: array<Gathered>;
+@group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> paths: array<Path>;
+@group(0) @binding(8) var<storage, read_write> radiance: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read_write> goes_on: array<u32>;
+
+const FRAC_1_PI: f32 = 0.31830987;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= batch.count {
+        return;
+    }
+    let path = paths[i];
+    let point = points[i];
+    var goes = 0u;
+    var added: vec3<f32>;
+    if surface_is_surface(point) {
+        let albedo = surface_albedo(point);
+        let largest = vector_max_element(albedo);
+        let seed = hash_pcg(path.seed);
+        if hash_unit(seed) < (1.0 - gathered[i].weight) * largest {
+            goes = 1u;
+            paths[i].throughput = path.throughput * albedo / largest;
+            paths[i].seed = seed;
+        }
+        let arriving = direct[i].xyz + gathered[i].irradiance;
+        added = point.emission + albedo * arriving * FRAC_1_PI;
+    } else {
+        added = environment_radiance(frame.environment_side, rays[i].direction);
+    }
+    let sum = radiance[path.root];
+    radiance[path.root] = sum + vec4<f32>(path.throughput * added, 0.0);
+    goes_on[i] = goes;
+}

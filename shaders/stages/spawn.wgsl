@@ -1,1 +1,54 @@
-@compute @workgroup_size(1) fn main() {}
+// New surfels from the G-buffer, each in the slot that its tile claimed.
+import package::affine::{affine_map_point, affine_map_transposed};
+import package::hash::hash_hash3;
+import package::invocation::invocation_index;
+import package::octahedral::{octahedral_pack, octahedral_unpack};
+import package::surfel::surfel_radius_at;
+import package::types::{
+    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
+    SurfelSettings, Transform
+};
+import package::vector::vector_normalize;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> frame: Frame;
+@group(0) @binding(2) var<uniform> grid: GridShape;
+@group(0) @binding(3) var<uniform> settings: SurfelSettings;
+@group(0) @binding(4) var<storage, read> claims: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> points: array<SurfacePoint>;
+@group(0) @binding(6) var<storage, read> transforms: array<Transform>;
+@group(0) @binding(7) var<storage, read_write> births: array<SurfelBirth>;
+@group(0) @binding(8) var<storage, read_write> poses: array<SurfelPose>;
+@group(0) @binding(9) var<storage, read_write> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let tile = invocation_index(group, groups, 64u, lane);
+    if tile >= arrayLength(&claims) {
+        return;
+    }
+    let claim = claims[tile];
+    if claim.x == NONE {
+        return;
+    }
+    let slot = claim.x;
+    let point = points[claim.y];
+    let transform = transforms[point.transform_id];
+    let normal = octahedral_unpack(point.geometric_normal);
+    let local = vector_normalize(affine_map_transposed(transform.to_world, normal));
+    let born_at = affine_map_point(transform.to_local, point.position);
+    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, 0u);
+    let radius = surfel_radius_at(point.position, camera, grid, settings);
+    let identity = hash_hash3(tile, frame.number, frame.seed);
+    poses[slot] = SurfelPose(point.position, radius, normal, identity);
+    irradiance[slot] = SurfelIrradiance();
+    // Both moments one: the depth function at the diameter everywhere.
+    for (var texel = 0u; texel < 16u; texel++) {
+        depths[slot].texels[texel] = 0xffffffffu;
+    }
+}

@@ -1,1 +1,29 @@
-@compute @workgroup_size(1) fn main() {}
+// A free slot for each birth: pops of the free stack by rank, so that no race decides.
+import package::invocation::invocation_index;
+import package::types::{NONE, SurfelCounters};
+
+@group(0) @binding(0) var<storage, read> candidates: array<u32>;
+@group(0) @binding(1) var<storage, read> ranks: array<u32>;
+@group(0) @binding(2) var<storage, read> counters: array<SurfelCounters>;
+@group(0) @binding(3) var<storage, read> free_slots: array<u32>;
+@group(0) @binding(4) var<storage, read_write> claims: array<vec2<u32>>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let tile = invocation_index(group, groups, 64u, lane);
+    if tile >= arrayLength(&candidates) {
+        return;
+    }
+    let candidate = candidates[tile];
+    let rank = ranks[tile];
+    let free = counters[0].free;
+    var claim = vec2<u32>(NONE, NONE);
+    if candidate != NONE && rank < free {
+        claim = vec2<u32>(free_slots[free - 1u - rank], candidate);
+    }
+    claims[tile] = claim;
+}

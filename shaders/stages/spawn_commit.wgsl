@@ -1,1 +1,13 @@
-@compute @workgroup_size(1) fn main() {}
+// The free stack after this frame's births, and the count of births that found no slot.
+import package::types::SurfelCounters;
+
+@group(0) @binding(0) var<storage, read> total: array<u32>;
+@group(0) @binding(1) var<storage, read_write> counters: array<SurfelCounters>;
+
+@compute @workgroup_size(1)
+fn main() {
+    let wanted = total[0];
+    let born = min(wanted, counters[0].free);
+    counters[0].free -= born;
+    counters[0].starved += wanted - born;
+}

@@ -1,7 +1,8 @@
 //! Puts a scene together.
 use super::shapes::Shape;
 use gibs_passes::scene::{
-    Camera, Environment, LocalTransform, Material, Mesh, Node, NodeId, Sampler, Scene, Sun, Texture, TextureRef,
+    Camera, Environment, LocalTransform, Material, Mesh, Node, NodeId, Sampler, Scene, Sun,
+    Texture, TextureRef,
 };
 use glam::{Affine2, DQuat, DVec3, Vec2, Vec3};
 
@@ -15,7 +16,12 @@ pub(super) struct Assembly {
 
 impl Assembly {
     pub fn new(name: &str) -> Self {
-        Self { scene: Scene { name: name.to_owned(), ..Scene::default() } }
+        Self {
+            scene: Scene {
+                name: name.to_owned(),
+                ..Scene::default()
+            },
+        }
     }
 
     pub fn material(&mut self, material: Material) -> u32 {
@@ -26,13 +32,22 @@ impl Assembly {
     /// A plain opaque material.
     pub fn paint(&mut self, name: &str, base_color: [f32; 3]) -> u32 {
         let base_color = Vec3::from_array(base_color);
-        self.material(Material { name: name.to_owned(), base_color, ..Material::default() })
+        self.material(Material {
+            name: name.to_owned(),
+            base_color,
+            ..Material::default()
+        })
     }
 
     /// A material that shines with the given radiance.
     pub fn glow(&mut self, name: &str, base_color: f32, emission: [f32; 3]) -> u32 {
         let (base_color, emission) = (Vec3::splat(base_color), Vec3::from_array(emission));
-        self.material(Material { name: name.to_owned(), base_color, emission, ..Material::default() })
+        self.material(Material {
+            name: name.to_owned(),
+            base_color,
+            emission,
+            ..Material::default()
+        })
     }
 
     /// A material with a texture that repeats every `size` (metres, or units of the shape's coordinates).
@@ -40,7 +55,12 @@ impl Assembly {
         let name = texture.name.clone();
         let base_color_texture = Some(self.texture(texture, size));
         let base_color = Vec3::from_array(base_color);
-        self.material(Material { name, base_color, base_color_texture, ..Material::default() })
+        self.material(Material {
+            name,
+            base_color,
+            base_color_texture,
+            ..Material::default()
+        })
     }
 
     pub fn texture(&mut self, texture: Texture, size: [f32; 2]) -> TextureRef {
@@ -53,9 +73,22 @@ impl Assembly {
     }
 
     pub fn mesh(&mut self, name: &str, material: u32, shape: &Shape) -> u32 {
-        let Shape { positions, normals, uvs, triangles } = shape.clone();
+        let Shape {
+            positions,
+            normals,
+            uvs,
+            triangles,
+        } = shape.clone();
         let name = name.to_owned();
-        self.scene.meshes.push(Mesh { name, positions, normals, uvs, skin: Vec::new(), triangles, material });
+        self.scene.meshes.push(Mesh {
+            name,
+            positions,
+            normals,
+            uvs,
+            skin: Vec::new(),
+            triangles,
+            material,
+        });
         self.scene.meshes.len() as u32 - 1
     }
 
@@ -67,7 +100,13 @@ impl Assembly {
             scale: DVec3::ONE,
         };
         let (name, meshes) = (name.to_owned(), meshes.to_vec());
-        self.scene.nodes.push(Node { name, parent: None, local, meshes, skin: None });
+        self.scene.nodes.push(Node {
+            name,
+            parent: None,
+            local,
+            meshes,
+            skin: None,
+        });
         self.scene.nodes.len() as NodeId - 1
     }
 
@@ -79,7 +118,12 @@ impl Assembly {
 }
 
 /// A view of a built-in scene with no light from outside.
-pub(super) fn view(position: [f64; 3], target: [f64; 3], vfov_degrees: f64, resolution: [u32; 2]) -> View {
+pub(super) fn view(
+    position: [f64; 3],
+    target: [f64; 3],
+    vfov_degrees: f64,
+    resolution: [u32; 2],
+) -> View {
     View {
         scene: None,
         camera: Camera {
@@ -100,7 +144,10 @@ pub(super) fn view(position: [f64; 3], target: [f64; 3], vfov_degrees: f64, reso
 /// A sun that shines along `direction`.
 pub(super) fn sun(direction: [f64; 3], irradiance: [f32; 3]) -> Option<Sun> {
     let direction = DVec3::from_array(direction).normalize_or(DVec3::NEG_Y);
-    Some(Sun { direction, irradiance: Vec3::from_array(irradiance) })
+    Some(Sun {
+        direction,
+        irradiance: Vec3::from_array(irradiance),
+    })
 }
 
 /// A sky that is the same everywhere.

@@ -22,5 +22,8 @@ pub fn furnace(albedo: f32, emission: f32) -> (Scene, View) {
     room.normals.iter_mut().for_each(|n| *n = -*n);
     a.draw("room", wall, &room);
     // From near one corner towards the opposite one.
-    (a.scene, view([-0.8, 0.7, 0.85], [0.6, -0.4, -0.7], 80.0, [512, 512]))
+    (
+        a.scene,
+        view([-0.8, 0.7, 0.85], [0.6, -0.4, -0.7], 80.0, [512, 512]),
+    )
 }

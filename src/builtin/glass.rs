@@ -17,7 +17,10 @@ pub(super) fn glass() -> (Scene, View) {
     let outer = [Vec3::new(-2.3, -0.3, -2.3), Vec3::new(2.3, 2.9, 2.3)];
     let (outside, inside) = shell(inner, outer, None);
     a.draw("outside", white, &outside);
-    for (face, paint) in inside.iter().zip([violet, yellow, white, white, white, white]) {
+    for (face, paint) in inside
+        .iter()
+        .zip([violet, yellow, white, white, white, white])
+    {
         a.draw("room", paint, face);
     }
     let mut panel = Shape::default();
@@ -25,7 +28,11 @@ pub(super) fn glass() -> (Scene, View) {
     panel.polygon(&corners.map(|[x, z]| Vec3::new(x, 2.59, z)));
     a.draw("ceiling panel", light, &panel);
     a.draw("ball", yellow, &sphere(0.35, 32).at(0.9, 0.35, -1.0));
-    let block = bevelled(Vec3::new(-1.3, -0.01, -1.5), Vec3::new(-0.6, 1.2, -0.9), 0.015);
+    let block = bevelled(
+        Vec3::new(-1.3, -0.01, -1.5),
+        Vec3::new(-0.6, 1.2, -0.9),
+        0.015,
+    );
     a.draw("block", white, &block);
 
     let pane = a.material(Material {
@@ -48,13 +55,17 @@ pub(super) fn glass() -> (Scene, View) {
         ..Material::default()
     });
     a.draw("grid", grid, &upright([0.3, 1.7], [0.02, 1.46], -0.2));
-    (a.scene, view([0.3, 1.5, 1.9], [0.0, 0.9, -1.0], 65.0, [640, 480]))
+    let mut view = view([0.3, 1.5, 1.9], [0.0, 0.9, -1.0], 65.0, [640, 480]);
+    view.exposure = 0.7;
+    (a.scene, view)
 }
 
 /// A rectangle that faces +z. Texture coordinates begin at its upper left corner.
 fn upright(x: [f32; 2], y: [f32; 2], z: f32) -> Shape {
     let mut shape = Shape::default();
-    shape.polygon(&[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z)));
+    shape.polygon(
+        &[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x, y, z)),
+    );
     let origin = Vec2::new(x[0], -y[1]);
     shape.uvs.iter_mut().for_each(|uv| *uv -= origin);
     shape
@@ -70,5 +81,10 @@ fn grid_texture() -> Texture {
         [255, 255, 255, if solid { 255 } else { 0 }]
     };
     let texels = (0..SIZE * SIZE).map(texel).collect();
-    Texture { name: "grid".to_owned(), width: SIZE, height: SIZE, texels }
+    Texture {
+        name: "grid".to_owned(),
+        width: SIZE,
+        height: SIZE,
+        texels,
+    }
 }

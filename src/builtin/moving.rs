@@ -14,8 +14,16 @@ const PERIOD: f32 = 4.0;
 pub(super) fn moving() -> (Scene, View) {
     let (mut a, white) = cornell::walls("moving");
     let blue = a.paint("blue", [0.12, 0.22, 0.60]);
-    let tall = a.mesh("tall box", white, &bevelled(Vec3::new(-0.7, -1.4, -0.7), Vec3::new(0.7, 1.4, 0.7), 0.03));
-    let small = a.mesh("small box", blue, &bevelled(Vec3::splat(-0.5), Vec3::splat(0.5), 0.03));
+    let tall = a.mesh(
+        "tall box",
+        white,
+        &bevelled(Vec3::new(-0.7, -1.4, -0.7), Vec3::new(0.7, 1.4, 0.7), 0.03),
+    );
+    let small = a.mesh(
+        "small box",
+        blue,
+        &bevelled(Vec3::splat(-0.5), Vec3::splat(0.5), 0.03),
+    );
     let tall = a.place("tall box", &[tall], [3.6, 1.9, 3.6], 0.0);
     let small = a.place("small box", &[small], [2.1, 0.8, 1.9], 0.0);
 
@@ -35,11 +43,17 @@ pub(super) fn moving() -> (Scene, View) {
     // Quarter turns, as a rotation between two keyframes takes the shorter way.
     let tall_path = |phase: f64| {
         let height = 1.9 + 0.4 * (phase * TAU).sin();
-        (DVec3::new(3.6, height, 3.6), DQuat::from_rotation_y(phase * TAU + FRAC_PI_2 / 6.0))
+        (
+            DVec3::new(3.6, height, 3.6),
+            DQuat::from_rotation_y(phase * TAU + FRAC_PI_2 / 6.0),
+        )
     };
     let small_path = |phase: f64| {
         let (sin, cos) = (phase * TAU).sin_cos();
-        (DVec3::new(1.6 + 0.7 * cos, 0.8, 1.7 + 0.7 * sin), DQuat::IDENTITY)
+        (
+            DVec3::new(1.6 + 0.7 * cos, 0.8, 1.7 + 0.7 * sin),
+            DQuat::IDENTITY,
+        )
     };
     a.scene.animations.push(Animation {
         name: "round and round".to_owned(),

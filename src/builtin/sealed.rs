@@ -22,7 +22,7 @@ pub fn sealed_rooms(wall: f64) -> (Scene, View, View) {
     let white = a.paint("white", [0.75, 0.75, 0.73]);
     let orange = a.paint("orange", [0.75, 0.36, 0.11]);
     let blue = a.paint("blue", [0.14, 0.28, 0.62]);
-    let light = a.glow("ceiling panel", 0.7, [30.0, 28.0, 24.0]);
+    let light = a.glow("ceiling panel", 0.7, [10.0, 9.3, 8.0]);
 
     let far = half + ROOM.x;
     let low = Vec3::new(-far - OUTER, -OUTER, -ROOM.z / 2.0 - OUTER);
@@ -38,7 +38,11 @@ pub fn sealed_rooms(wall: f64) -> (Scene, View, View) {
         a.place(name, &meshes, [0.0; 3], 0.0);
         // Sunk into the floor, so that no two faces coincide.
         let box_low = Vec3::new((near + far) / 2.0 - 0.4, -0.01, -0.9);
-        a.draw("box", white, &bevelled(box_low, box_low + Vec3::new(0.8, 0.91, 0.8), 0.02));
+        a.draw(
+            "box",
+            white,
+            &bevelled(box_low, box_low + Vec3::new(0.8, 0.91, 0.8), 0.02),
+        );
     }
     let middle = -half - ROOM.x / 2.0;
     let panel = [[-0.6, -0.6], [0.6, -0.6], [0.6, 0.6], [-0.6, 0.6]]
@@ -50,6 +54,7 @@ pub fn sealed_rooms(wall: f64) -> (Scene, View, View) {
     let into = |side: f64| {
         let middle = side * f64::from(half + ROOM.x / 2.0);
         let mut view = view([0.0; 3], [0.0; 3], 70.0, [640, 480]);
+        view.exposure = 0.35;
         view.camera.position = DVec3::new(middle + side * 1.8, 1.7, 1.8);
         view.camera.target = DVec3::new(middle - side * 0.9, 1.1, -1.2);
         view
@@ -64,5 +69,14 @@ fn hollow(low: Vec3, high: Vec3) -> (Shape, Shape) {
     room.normals.iter_mut().for_each(|n| *n = -*n);
     let is_back = |t: &&[u32; 3]| room.normals[t[0] as usize].z > 0.5;
     let (back, others) = room.triangles.iter().partition(is_back);
-    (Shape { triangles: others, ..room.clone() }, Shape { triangles: back, ..room })
+    (
+        Shape {
+            triangles: others,
+            ..room.clone()
+        },
+        Shape {
+            triangles: back,
+            ..room
+        },
+    )
 }

@@ -44,29 +44,55 @@ fn ground(a: &mut Assembly) {
     let asphalt = a.paint("road", [0.16, 0.16, 0.17]);
     let stone = a.paint("pavement", [0.38, 0.36, 0.33]);
     let end = -(HOUSE_WIDTH * HOUSES as f32) - 8.0;
-    a.draw("road", asphalt, &cuboid(Vec3::new(-20.0, -0.5, end), Vec3::new(20.0, 0.0, 12.0)));
+    a.draw(
+        "road",
+        asphalt,
+        &cuboid(Vec3::new(-20.0, -0.5, end), Vec3::new(20.0, 0.0, 12.0)),
+    );
     let (kerb, back) = (HALF_WIDTH - 2.4, HALF_WIDTH + 2.0);
     for (from, to) in [(-back, -kerb), (kerb, back)] {
-        let slab = bevelled(Vec3::new(from, -0.2, end + 0.5), Vec3::new(to, 0.14, 11.5), 0.03);
+        let slab = bevelled(
+            Vec3::new(from, -0.2, end + 0.5),
+            Vec3::new(to, 0.14, 11.5),
+            0.03,
+        );
         a.draw("pavement", stone, &slab);
     }
-    let wall = cuboid(Vec3::new(-19.0, -0.3, end + 1.0), Vec3::new(19.0, 11.0, end + 2.5));
+    let wall = cuboid(
+        Vec3::new(-19.0, -0.3, end + 1.0),
+        Vec3::new(19.0, 11.0, end + 2.5),
+    );
     a.draw("end of the street", stone, &wall);
 }
 
 /// Houses in local space: x along the front, z out of it.
 fn houses(a: &mut Assembly) {
-    let paints = [[0.66, 0.48, 0.30], [0.55, 0.24, 0.16], [0.62, 0.58, 0.50], [0.34, 0.42, 0.46]]
-        .map(|color| a.paint("plaster", color));
+    let paints = [
+        [0.66, 0.48, 0.30],
+        [0.55, 0.24, 0.16],
+        [0.62, 0.58, 0.50],
+        [0.34, 0.42, 0.46],
+    ]
+    .map(|color| a.paint("plaster", color));
     let trim = a.paint("trim", [0.60, 0.58, 0.54]);
     let pane = a.paint("window pane", [0.06, 0.07, 0.08]);
     let door_paint = a.paint("door", [0.12, 0.20, 0.14]);
     let awnings = [[0.62, 0.08, 0.06], [0.08, 0.30, 0.14], [0.75, 0.55, 0.14]]
         .map(|color| a.paint("awning", color));
 
-    let window = [a.mesh("window frame", trim, &window_frame()), a.mesh("window pane", pane, &window_pane())];
-    let leaf = bevelled(Vec3::new(-0.55, -0.1, -0.05), Vec3::new(0.55, 2.3, 0.03), 0.01);
-    let door = [a.mesh("door frame", trim, &door_frame()), a.mesh("door", door_paint, &leaf)];
+    let window = [
+        a.mesh("window frame", trim, &window_frame()),
+        a.mesh("window pane", pane, &window_pane()),
+    ];
+    let leaf = bevelled(
+        Vec3::new(-0.55, -0.1, -0.05),
+        Vec3::new(0.55, 2.3, 0.03),
+        0.01,
+    );
+    let door = [
+        a.mesh("door frame", trim, &door_frame()),
+        a.mesh("door", door_paint, &leaf),
+    ];
     let slope = [[0.0, 2.62], [1.3, 2.15], [1.3, 2.22], [0.0, 2.72]];
     // Extruded along z with the slope in x; turned so that it comes out of the front.
     let awning_shape = extrude(&slope, -1.5, 1.5);
@@ -84,11 +110,18 @@ fn houses(a: &mut Assembly) {
             // Maps (along the front, up, out of it) to the street.
             let at = |along: f32, up: f32, out: f32| {
                 let x = side * (HALF_WIDTH + set_back - out);
-                [f64::from(x), f64::from(up), f64::from(middle - side * along)]
+                [
+                    f64::from(x),
+                    f64::from(up),
+                    f64::from(middle - side * along),
+                ]
             };
             // Neighbours overlap by different depths, so that no two walls coincide.
             let half = HOUSE_WIDTH / 2.0 + 0.05 + random(2) * 0.1;
-            let mut body = cuboid(Vec3::new(-half, -0.3, -8.0 - random(3)), Vec3::new(half, height, 0.0));
+            let mut body = cuboid(
+                Vec3::new(-half, -0.3, -8.0 - random(3)),
+                Vec3::new(half, height, 0.0),
+            );
             body.append(&bevelled(
                 Vec3::new(-half + 0.02, 0.0, -1.0),
                 Vec3::new(half - 0.02, 0.6 + random(4) * 0.2, 0.06),
@@ -120,7 +153,12 @@ fn houses(a: &mut Assembly) {
 
 fn window_frame() -> Shape {
     let [width, height] = [0.52, 0.85];
-    let corners = [[-width, 0.0], [width, 0.0], [width, 2.0 * height], [-width, 2.0 * height]];
+    let corners = [
+        [-width, 0.0],
+        [width, 0.0],
+        [width, 2.0 * height],
+        [-width, 2.0 * height],
+    ];
     let frames = corners.map(|[x, y]: [f32; 2]| Frame {
         origin: Vec3::new(x, y, 0.0),
         u: Vec3::new(x.signum(), (y - height).signum(), 0.0),
@@ -128,11 +166,29 @@ fn window_frame() -> Shape {
     });
     // Around the opening counter-clockwise, u outwards: u x v runs backwards, so the path does too.
     let reversed = [frames[0], frames[3], frames[2], frames[1]];
-    let outline = [[-0.06, -0.05], [0.1, -0.05], [0.1, 0.05], [0.05, 0.09], [-0.06, 0.09]];
+    let outline = [
+        [-0.06, -0.05],
+        [0.1, -0.05],
+        [0.1, 0.05],
+        [0.05, 0.09],
+        [-0.06, 0.09],
+    ];
     let mut shape = sweep(&outline, &reversed, Path::Mitred);
-    shape.append(&bevelled(Vec3::new(-0.75, -0.2, -0.05), Vec3::new(0.75, -0.11, 0.2), 0.015));
-    shape.append(&bevelled(Vec3::new(-0.02, -0.02, -0.05), Vec3::new(0.02, 1.72, 0.05), 0.005));
-    shape.append(&bevelled(Vec3::new(-0.5, 1.1, -0.05), Vec3::new(0.5, 1.14, 0.045), 0.005));
+    shape.append(&bevelled(
+        Vec3::new(-0.75, -0.2, -0.05),
+        Vec3::new(0.75, -0.11, 0.2),
+        0.015,
+    ));
+    shape.append(&bevelled(
+        Vec3::new(-0.02, -0.02, -0.05),
+        Vec3::new(0.02, 1.72, 0.05),
+        0.005,
+    ));
+    shape.append(&bevelled(
+        Vec3::new(-0.5, 1.1, -0.05),
+        Vec3::new(0.5, 1.14, 0.045),
+        0.005,
+    ));
     shape
 }
 
@@ -141,9 +197,21 @@ fn window_pane() -> Shape {
 }
 
 fn door_frame() -> Shape {
-    let mut shape = bevelled(Vec3::new(-0.75, -0.1, -0.05), Vec3::new(-0.54, 2.32, 0.1), 0.015);
-    shape.append(&bevelled(Vec3::new(0.54, -0.1, -0.05), Vec3::new(0.75, 2.32, 0.1), 0.015));
-    shape.append(&bevelled(Vec3::new(-0.85, 2.29, -0.05), Vec3::new(0.85, 2.55, 0.14), 0.02));
+    let mut shape = bevelled(
+        Vec3::new(-0.75, -0.1, -0.05),
+        Vec3::new(-0.54, 2.32, 0.1),
+        0.015,
+    );
+    shape.append(&bevelled(
+        Vec3::new(0.54, -0.1, -0.05),
+        Vec3::new(0.75, 2.32, 0.1),
+        0.015,
+    ));
+    shape.append(&bevelled(
+        Vec3::new(-0.85, 2.29, -0.05),
+        Vec3::new(0.85, 2.55, 0.14),
+        0.02,
+    ));
     shape
 }
 
@@ -151,7 +219,11 @@ fn cornice(half: f32, height: f32) -> Shape {
     let low = Vec3::new(-half - 0.03, height - 0.35, -8.0);
     let mut shape = bevelled(low, Vec3::new(half + 0.03, height - 0.1, 0.18), 0.04);
     let low = Vec3::new(-half - 0.05, height - 0.12, -8.2);
-    shape.append(&bevelled(low, Vec3::new(half + 0.05, height + 0.1, 0.34), 0.03));
+    shape.append(&bevelled(
+        low,
+        Vec3::new(half + 0.05, height + 0.1, 0.34),
+        0.03,
+    ));
     shape
 }
 
@@ -161,7 +233,11 @@ fn string_point(string: i32, t: f32) -> Vec3 {
     let sag = SAG * (0.8 + 0.4 * chance(string, 0, 5));
     // A parabola is close to a catenary this flat.
     let drop = sag * (1.0 - (2.0 * t - 1.0).powi(2));
-    Vec3::new((2.0 * t - 1.0) * (HALF_WIDTH + 0.6), STRING_HEIGHT - drop, z)
+    Vec3::new(
+        (2.0 * t - 1.0) * (HALF_WIDTH + 0.6),
+        STRING_HEIGHT - drop,
+        z,
+    )
 }
 
 fn strings(a: &mut Assembly) {
@@ -178,7 +254,11 @@ fn strings(a: &mut Assembly) {
             let at = string_point(string, t) - Vec3::Y * 0.1;
             let node = a.place("lamp", &[], at.as_dvec3().to_array(), 0.0);
             let intensity = hue(chance(lamp, string, 21)) * (0.1 + 0.4 * chance(lamp, string, 22));
-            a.scene.lights.push(Light { node, kind: LightKind::Point, intensity });
+            a.scene.lights.push(Light {
+                node,
+                kind: LightKind::Point,
+                intensity,
+            });
         }
     }
     a.draw("cables", black, &cables);

@@ -11,7 +11,10 @@ fn scene(name: &str) -> (Scene, View) {
 
 /// Every triangle as it is drawn, at rest.
 fn triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
-    drawn(scene).into_iter().map(|(_, triangle)| triangle).collect()
+    drawn(scene)
+        .into_iter()
+        .map(|(_, triangle)| triangle)
+        .collect()
 }
 
 /// Every triangle with the node that draws it.
@@ -53,8 +56,15 @@ fn every_name_builds_a_sound_scene() {
         }
         let text = view.to_json().unwrap();
         let again = View::from_json(&text, "v.json".as_ref()).unwrap();
-        assert_eq!((again.resolution, again.environment), (view.resolution, view.environment), "{name}");
-        assert!((again.camera.position - view.camera.position).length() < 1e-12, "{name}");
+        assert_eq!(
+            (again.resolution, again.environment),
+            (view.resolution, view.environment),
+            "{name}"
+        );
+        assert!(
+            (again.camera.position - view.camera.position).length() < 1e-12,
+            "{name}"
+        );
     }
     assert!(by_name("no such scene").is_none());
 }
@@ -75,7 +85,12 @@ fn sizes_are_as_described() {
     }
     let (street, _) = scene("many-lights");
     assert_eq!(street.lights.len(), 1400);
-    assert!(street.lights.iter().all(|light| light.kind == LightKind::Point));
+    assert!(
+        street
+            .lights
+            .iter()
+            .all(|light| light.kind == LightKind::Point)
+    );
 }
 
 #[test]
@@ -91,7 +106,9 @@ fn first_normal(scene: &Scene, from: DVec3, direction: DVec3) -> Option<(f64, DV
         let normal = (b - a).cross(c - a);
         let t = normal.dot(a - from) / normal.dot(direction);
         let p = from + direction * t;
-        let inside = [(a, b), (b, c), (c, a)].iter().all(|(a, b)| (b - a).cross(p - a).dot(normal) >= 0.0);
+        let inside = [(a, b), (b, c), (c, a)]
+            .iter()
+            .all(|(a, b)| (b - a).cross(p - a).dot(normal) >= 0.0);
         (t > 0.0 && inside).then(|| (t, normal.normalize()))
     });
     hits.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -159,8 +176,16 @@ fn the_clip_closes_and_stays_inside_the_box() {
     }
     for step in 0..=40 {
         let pose = scene.pose(&[(0, f64::from(step) / 10.0)]);
-        for (id, node) in scene.nodes.iter().enumerate().filter(|(_, node)| node.name.ends_with("box")) {
-            for p in scene.skinned_positions(&pose, id as u32, node.meshes[0]).positions {
+        for (id, node) in scene
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, node)| node.name.ends_with("box"))
+        {
+            for p in scene
+                .skinned_positions(&pose, id as u32, node.meshes[0])
+                .positions
+            {
                 let inside = p.min_element() > 0.0 && p.max_element() < 5.48;
                 assert!(inside, "{} leaves the room at {p}", node.name);
             }
@@ -183,7 +208,10 @@ fn coincident(scene: &Scene, least: f64) -> HashMap<[&str; 2], DVec3> {
         for x in low.x as i64..=high.x as i64 {
             for y in low.y as i64..=high.y as i64 {
                 for z in low.z as i64..=high.z as i64 {
-                    cells.entry((direction, distance, [x, y, z])).or_default().push((name, t));
+                    cells
+                        .entry((direction, distance, [x, y, z]))
+                        .or_default()
+                        .push((name, t));
                 }
             }
         }
@@ -203,7 +231,10 @@ fn overlap(a: &[DVec3; 3], b: &[DVec3; 3]) -> f64 {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]).normalize();
     let (u, v) = normal.any_orthonormal_pair();
     let flat = |p: &DVec3| DVec2::new(p.dot(u), p.dot(v));
-    let (a, mut clipped) = (a.each_ref().map(flat), b.iter().map(flat).collect::<Vec<_>>());
+    let (a, mut clipped) = (
+        a.each_ref().map(flat),
+        b.iter().map(flat).collect::<Vec<_>>(),
+    );
     for i in 0..3 {
         let (from, to) = (a[i], a[(i + 1) % 3]);
         let side = |p: DVec2| (to - from).perp_dot(p - from);
@@ -219,7 +250,9 @@ fn overlap(a: &[DVec3; 3], b: &[DVec3; 3]) -> f64 {
         }
         clipped = next;
     }
-    let area: f64 = (0..clipped.len()).map(|k| clipped[k].perp_dot(clipped[(k + 1) % clipped.len()])).sum();
+    let area: f64 = (0..clipped.len())
+        .map(|k| clipped[k].perp_dot(clipped[(k + 1) % clipped.len()]))
+        .sum();
     area.abs() / 2.0
 }
 
@@ -237,12 +270,18 @@ fn no_two_faces_coincide() {
 fn coincident_faces_are_noticed() {
     let (mut scene, _) = scene("cornell");
     let mut again = Shape::default();
-    let corners = [Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 2.0), Vec3::new(2.0, 0.0, 2.0)];
+    let corners = [
+        Vec3::new(1.0, 0.0, 1.0),
+        Vec3::new(1.0, 0.0, 2.0),
+        Vec3::new(2.0, 0.0, 2.0),
+    ];
     again.polygon(&corners);
     assert_eq!(again.uvs[0], flat_uv(corners[0], Vec3::Y));
     assert_eq!(again.uvs[0], Vec2::ONE);
     scene.meshes[0].positions.extend(again.positions);
     let first = scene.meshes[0].positions.len() as u32 - 3;
-    scene.meshes[0].triangles.push([first, first + 1, first + 2]);
+    scene.meshes[0]
+        .triangles
+        .push([first, first + 1, first + 2]);
     assert!(!coincident(&scene, 2e-4).is_empty());
 }

@@ -44,7 +44,12 @@ pub(super) fn load(
             texels.len()
         ));
     }
-    Ok(EnvironmentMap { width, height, texels, rotation_y: 0.0 })
+    Ok(EnvironmentMap {
+        width,
+        height,
+        texels,
+        rotation_y: 0.0,
+    })
 }
 
 fn clamped_channel(value: f32) -> f32 {
@@ -56,7 +61,11 @@ fn clamped_channel(value: f32) -> f32 {
 }
 
 fn wrong(file: &Path, problem: String, remedy: &'static str) -> ViewError {
-    ViewError::Environment { file: file.to_owned(), problem, remedy }
+    ViewError::Environment {
+        file: file.to_owned(),
+        problem,
+        remedy,
+    }
 }
 
 /// Refuses a size before anything of that size is allocated.
@@ -66,32 +75,59 @@ fn check_size(file: &Path, width: u64, height: u64) -> Result<(), ViewError> {
         return Err(wrong(file, problem, "give an image with texels"));
     }
     if width.saturating_mul(height) > MAX_TEXELS {
-        return Err(wrong(file, problem, "scale it down to at most 16384 x 8192"));
+        return Err(wrong(
+            file,
+            problem,
+            "scale it down to at most 16384 x 8192",
+        ));
     }
     Ok(())
 }
 
 fn read_hdr(file: &Path) -> Result<Raw, ViewError> {
     let bad = |e: image::ImageError| {
-        wrong(file, e.to_string(), "save it again as a Radiance .hdr image")
+        wrong(
+            file,
+            e.to_string(),
+            "save it again as a Radiance .hdr image",
+        )
     };
-    let opened =
-        File::open(file).map_err(|source| ViewError::Read { file: file.to_owned(), source })?;
+    let opened = File::open(file).map_err(|source| ViewError::Read {
+        file: file.to_owned(),
+        source,
+    })?;
     let decoder = HdrDecoder::new(BufReader::new(opened)).map_err(bad)?;
     let (width, height) = decoder.dimensions();
     check_size(file, u64::from(width), u64::from(height))?;
-    let image = DynamicImage::from_decoder(decoder).map_err(bad)?.into_rgb32f();
-    Ok((width, height, image.pixels().map(|p| Vec3::from_array(p.0)).collect()))
+    let image = DynamicImage::from_decoder(decoder)
+        .map_err(bad)?
+        .into_rgb32f();
+    Ok((
+        width,
+        height,
+        image.pixels().map(|p| Vec3::from_array(p.0)).collect(),
+    ))
 }
 
 fn read_exr(file: &Path) -> Result<Raw, ViewError> {
     let bad = |e: exr::error::Error| match e {
-        exr::error::Error::Io(source) => ViewError::Read { file: file.to_owned(), source },
-        e => wrong(file, e.to_string(), "save it again as an OpenEXR image with channels R, G and B"),
+        exr::error::Error::Io(source) => ViewError::Read {
+            file: file.to_owned(),
+            source,
+        },
+        e => wrong(
+            file,
+            e.to_string(),
+            "save it again as an OpenEXR image with channels R, G and B",
+        ),
     };
     let meta = exr::meta::MetaData::read_from_file(file, false).map_err(bad)?;
     for header in &meta.headers {
-        check_size(file, header.layer_size.x() as u64, header.layer_size.y() as u64)?;
+        check_size(
+            file,
+            header.layer_size.x() as u64,
+            header.layer_size.y() as u64,
+        )?;
     }
     let image = read()
         .no_deep_data()
@@ -107,5 +143,9 @@ fn read_exr(file: &Path) -> Result<Raw, ViewError> {
         .from_file(file)
         .map_err(bad)?;
     let layer = image.layer_data;
-    Ok((layer.size.width() as u32, layer.size.height() as u32, layer.channel_data.pixels.1))
+    Ok((
+        layer.size.width() as u32,
+        layer.size.height() as u32,
+        layer.channel_data.pixels.1,
+    ))
 }

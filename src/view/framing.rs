@@ -69,7 +69,12 @@ fn around([low, high]: [DVec3; 2]) -> Camera {
     // A point or an empty scene still needs a distance.
     let radius = (high - low).length().max(1e-3) / 2.0;
     let position = target + TOWARDS_CAMERA.normalize() * radius / (VFOV / 2.0).sin();
-    Camera { position, target, up: DVec3::Y, vfov: VFOV }
+    Camera {
+        position,
+        target,
+        up: DVec3::Y,
+        vfov: VFOV,
+    }
 }
 
 /// Whether anything in the scene shines.
@@ -79,7 +84,11 @@ fn is_lit(scene: &Scene) -> bool {
             .and_then(|mesh| scene.materials.get(mesh.material as usize))
             .is_some_and(|material| material.emission.max_element() > 0.0)
     };
-    !scene.lights.is_empty() || scene.nodes.iter().any(|node| node.meshes.iter().any(shines))
+    !scene.lights.is_empty()
+        || scene
+            .nodes
+            .iter()
+            .any(|node| node.meshes.iter().any(shines))
 }
 
 /// Least and greatest coordinates of what is drawn; of the unit cube if that is nothing.
@@ -92,5 +101,9 @@ fn bounds(scene: &Scene, pose: &Pose) -> [DVec3; 2] {
             }
         }
     }
-    if low.x > high.x { [DVec3::splat(-0.5), DVec3::splat(0.5)] } else { [low, high] }
+    if low.x > high.x {
+        [DVec3::splat(-0.5), DVec3::splat(0.5)]
+    } else {
+        [low, high]
+    }
 }

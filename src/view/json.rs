@@ -1,6 +1,6 @@
 //! The JSON form of a view.
 //!
-//! ```json
+//! ```text
 //! {
 //!   "scene": "room.gltf",                     optional; relative to the view file
 //!   "camera": { "position": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "vfov_degrees": 50 },
@@ -106,7 +106,12 @@ struct Check<'a> {
 impl Check<'_> {
     fn wrong(&self, field: &'static str, value: String, remedy: impl Into<String>) -> ViewError {
         let (file, remedy) = (self.file.to_owned(), remedy.into());
-        ViewError::Field { file, field, value, remedy }
+        ViewError::Field {
+            file,
+            field,
+            value,
+            remedy,
+        }
     }
 
     fn point(&self, field: &'static str, value: [f64; 3]) -> Result<DVec3, ViewError> {
@@ -115,14 +120,24 @@ impl Check<'_> {
         if point.abs().max_element() <= 1e15 {
             return Ok(point);
         }
-        Err(self.wrong(field, format!("{value:?}"), "give three numbers of at most 1e15"))
+        Err(self.wrong(
+            field,
+            format!("{value:?}"),
+            "give three numbers of at most 1e15",
+        ))
     }
 
     fn direction(&self, field: &'static str, value: [f64; 3]) -> Result<DVec3, ViewError> {
         let largest = DVec3::from_array(value).abs().max_element();
         (DVec3::from_array(value) / largest)
             .try_normalize()
-            .ok_or_else(|| self.wrong(field, format!("{value:?}"), "give a direction with a length"))
+            .ok_or_else(|| {
+                self.wrong(
+                    field,
+                    format!("{value:?}"),
+                    "give a direction with a length",
+                )
+            })
     }
 
     fn number(&self, field: &'static str, value: f64) -> Result<f64, ViewError> {
@@ -158,7 +173,12 @@ impl Check<'_> {
             let remedy = "give an angle above 0 and below 180 degrees";
             return Err(self.wrong("camera.vfov_degrees", degrees.to_string(), remedy));
         }
-        Ok(Camera { position, target, up, vfov: degrees.to_radians() })
+        Ok(Camera {
+            position,
+            target,
+            up,
+            vfov: degrees.to_radians(),
+        })
     }
 }
 
@@ -172,8 +192,10 @@ impl View {
     /// [`ViewError`] names the file, the field and its value, and says what to write instead.
     pub fn load(path: impl AsRef<Path>) -> Result<View, ViewError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ViewError::Read { file: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| ViewError::Read {
+            file: path.to_owned(),
+            source,
+        })?;
         Self::from_json(&text, path)
     }
 
@@ -182,14 +204,23 @@ impl View {
     /// # Errors
     /// As [`View::load`].
     pub fn from_json(text: &str, path: &Path) -> Result<View, ViewError> {
-        let view: ViewFile = serde_json::from_str(text.trim_start_matches('\u{feff}'))
-            .map_err(|source| ViewError::Format { file: path.to_owned(), source })?;
+        let view: ViewFile =
+            serde_json::from_str(text.trim_start_matches('\u{feff}')).map_err(|source| {
+                ViewError::Format {
+                    file: path.to_owned(),
+                    source,
+                }
+            })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let check = Check { file: path };
         let mut warnings = Vec::new();
 
         let camera = check.camera(&view.camera)?;
-        if view.resolution.iter().any(|side| !(1..=MAX_RESOLUTION).contains(side)) {
+        if view
+            .resolution
+            .iter()
+            .any(|side| !(1..=MAX_RESOLUTION).contains(side))
+        {
             let remedy = format!("give a width and a height from 1 to {MAX_RESOLUTION} pixels");
             return Err(check.wrong("resolution", format!("{:?}", view.resolution), remedy));
         }
@@ -215,8 +246,7 @@ impl View {
                 }
                 let degrees =
                     check.number("environment.rotation_y_degrees", map.rotation_y_degrees)?;
-                let mut loaded =
-                    environment::load(&folder.join(&map.file), scale, &mut warnings)?;
+                let mut loaded = environment::load(&folder.join(&map.file), scale, &mut warnings)?;
                 loaded.rotation_y = degrees.to_radians();
                 Environment::Map(loaded)
             }

@@ -111,7 +111,6 @@ fn a_missing_barrier_is_reported() {
     e.run().unwrap();
     e.wait().unwrap();
     let messages = backend.validation_messages();
-    println!("{messages:#?}");
     assert!(
         messages
             .iter()
@@ -133,7 +132,6 @@ fn no_barrier_is_superfluous() {
         let mut e = backend.prepare(Arc::new(schedule), None).unwrap();
         e.run().unwrap();
         e.wait().unwrap();
-        println!("{}\n{:?}", e.schedule().to_text(), &backend.validation_messages()[before..]);
         let found = backend.validation_messages().len() - before;
         assert!(
             found > 0,

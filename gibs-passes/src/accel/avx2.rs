@@ -15,7 +15,8 @@ mod x86 {
 
     use super::super::intersect::{BoxRay, FAR_SCALE};
     use super::super::types::{Hit, Ray, WideNode, WidePacket, WideView};
-    use super::super::wide::{self, Kernel, Stack};
+    use super::super::walk::{self, Stack};
+    use super::super::wide::Kernel;
 
     /// Proof that the processor has AVX2, FMA and the bit instructions that came with them: only [`Avx2::detect`] makes one.
     #[derive(Clone, Copy, Debug)]
@@ -99,7 +100,7 @@ mod x86 {
         stack: &mut Stack,
         filter: &F,
     ) -> Hit {
-        wide::closest(kernel, view, ray, stack, filter)
+        walk::closest(kernel, view, ray, stack, filter)
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -110,7 +111,7 @@ mod x86 {
         stack: &mut Stack,
         filter: &F,
     ) -> bool {
-        wide::any(kernel, view, ray, stack, filter)
+        walk::any(kernel, view, ray, stack, filter)
     }
 
     impl Kernel for Avx2 {
@@ -286,7 +287,7 @@ mod x86 {
 #[cfg(not(target_arch = "x86_64"))]
 mod other {
     use super::super::types::{Hit, Ray, WideView};
-    use super::super::wide::Stack;
+    use super::super::walk::Stack;
 
     /// A type without values: this processor has no AVX2.
     #[derive(Clone, Copy, Debug)]

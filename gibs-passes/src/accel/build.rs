@@ -41,11 +41,11 @@ pub struct InstanceInput {
     pub transform_id: u32,
 }
 
-/// Triangles of a bottom level in the order of the input, with the part and triangle that each came from.
-pub(super) fn gather(
-    blas: usize,
-    input: &BlasInput,
-) -> Result<(Vec<Triangle>, Vec<(u32, u32)>), BuildError> {
+/// Triangles, and the part and triangle of that part that each came from.
+pub(super) type Gathered = (Vec<Triangle>, Vec<(u32, u32)>);
+
+/// Triangles of a bottom level in the order of the input.
+pub(super) fn gather(blas: usize, input: &BlasInput) -> Result<Gathered, BuildError> {
     let count = input.parts.iter().map(|part| part.triangles.len()).sum();
     let mut triangles = Vec::with_capacity(count);
     let mut sources = Vec::with_capacity(count);

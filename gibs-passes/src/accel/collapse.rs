@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::two_level::TwoLevel;
 use super::types::{BvhNode, NONE, PACKET, Triangle, WideNode, WidePacket, WideView};
 
-/// Cost of visiting a node relative to testing a packet, measured on incoherent rays.
+/// Cost of visiting a node. The ratio to [`PACKET_COST`] hardly matters: from 0.4 to 2 the visits of incoherent rays
+/// change by one percent.
 const NODE_COST: f32 = 1.0;
 /// Cost of testing a packet of triangles.
 const PACKET_COST: f32 = 1.0;

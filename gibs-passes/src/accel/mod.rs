@@ -14,10 +14,12 @@ mod collapse;
 mod error;
 pub mod intersect;
 mod level;
+mod place;
 mod portable;
 pub mod scalar;
 mod two_level;
 mod types;
+mod walk;
 pub mod wide;
 
 #[cfg(test)]

@@ -21,16 +21,33 @@ pub(super) fn banners(a: &mut Assembly, palette: &Palette) {
     }
     for x in [-half + 0.06, half - 0.06] {
         // Arms back to the balustrade.
-        shape.append(&cylinder(Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.42, 0.55), 0.014, 8));
+        shape.append(&cylinder(
+            Vec3::new(x, 0.0, 0.0),
+            Vec3::new(x, 0.42, 0.55),
+            0.014,
+            8,
+        ));
     }
     let iron = a.mesh("pole", palette.iron, &shape);
     for (s, side) in SIDES.iter().enumerate() {
-        let bays: Vec<f32> = if side.is_long { vec![-2.0, 0.0, 2.0] } else { vec![-1.0, 1.0] };
+        let bays: Vec<f32> = if side.is_long {
+            vec![-2.0, 0.0, 2.0]
+        } else {
+            vec![-1.0, 1.0]
+        };
         for (i, bay) in bays.into_iter().enumerate() {
-            let along = if side.is_long { bay * BAY - BAY / 2.0 } else { bay * BAY / 2.0 };
+            let along = if side.is_long {
+                bay * BAY - BAY / 2.0
+            } else {
+                bay * BAY / 2.0
+            };
             let color = palette.cloths[(i + s) % palette.cloths.len()];
             let phase = (i * 3 + s * 5) as f32;
-            let cloth = a.mesh("banner", color, &sheet(20, 22, THICKNESS, |s, t| hang(s, t, phase)));
+            let cloth = a.mesh(
+                "banner",
+                color,
+                &sheet(18, 20, THICKNESS, |s, t| hang(s, t, phase)),
+            );
             a.place("banner", &[iron, cloth], pole(side, along), side.turn);
         }
     }

@@ -19,7 +19,11 @@ pub(super) fn column(height: f32, diameter: f32) -> Shape {
     let top = height / diameter;
     let (plinth, abacus) = (0.70, ABACUS);
     let square = |half: f32, from: f32, to: f32| {
-        bevelled(Vec3::new(-half, from, -half), Vec3::new(half, to, half), 0.025)
+        bevelled(
+            Vec3::new(-half, from, -half),
+            Vec3::new(half, to, half),
+            0.025,
+        )
     };
     let sunk = SUNK / diameter;
     let mut shape = square(plinth, -sunk, 0.26);
@@ -32,7 +36,10 @@ pub(super) fn column(height: f32, diameter: f32) -> Shape {
     // The hollow: a quarter ellipse is near enough to a scotia.
     profile.extend((1..4).map(|i| {
         let t = i as f32 / 4.0;
-        [0.60 - 0.05 * (t * std::f32::consts::PI).sin() - 0.03 * t, 0.52 + 0.1 * t]
+        [
+            0.60 - 0.05 * (t * std::f32::consts::PI).sin() - 0.03 * t,
+            0.52 + 0.1 * t,
+        ]
     }));
     profile.push([0.57, 0.62]);
     profile.extend(arc([0.54, 0.69], 0.07, -90.0, 90.0, 4));
@@ -43,7 +50,10 @@ pub(super) fn column(height: f32, diameter: f32) -> Shape {
     let (shaft_foot, shaft_top) = (0.92, top - 0.62);
     profile.extend((0..=3).map(|i| {
         let t = i as f32 / 3.0;
-        [0.5 - 0.075 * t.powf(1.8), shaft_foot + (shaft_top - shaft_foot) * t]
+        [
+            0.5 - 0.075 * t.powf(1.8),
+            shaft_foot + (shaft_top - shaft_foot) * t,
+        ]
     }));
     let neck = 0.425;
     profile.push([neck + 0.035, shaft_top + 0.03]);

@@ -14,7 +14,9 @@ const VAULT: f32 = 1.5;
 const PIECES: usize = 12;
 
 pub(super) fn galleries(a: &mut Assembly, palette: &Palette) {
-    let plate = |from: f32, to: f32, low: f32, high: f32| [[to, low], [from, low], [from, high], [to, high]];
+    let plate = |from: f32, to: f32, low: f32, high: f32| {
+        [[to, low], [from, low], [from, high], [to, high]]
+    };
     let beyond = BACK_WALL - 0.15;
     // A step with a rounded nosing leads up from the court.
     let mut step = vec![[beyond, -0.4], [0.47, -0.4], [0.47, 0.1], [0.49, 0.11]];
@@ -23,13 +25,38 @@ pub(super) fn galleries(a: &mut Assembly, palette: &Palette) {
     step.push([0.30, 0.14]);
     step.push([beyond, 0.14]);
     a.draw("step", palette.stone, &ring(HALF, &step));
-    a.draw("gallery floor", palette.brick_floor, &ring(HALF, &plate(0.301, beyond + 0.01, 0.0, GROUND.floor - 0.001)));
-    a.draw("upper floor", palette.brick_floor, &ring(HALF, &plate(0.05, beyond, 5.24, UPPER.floor)));
-    a.draw("upper ceiling", palette.wood, &ring(HALF, &plate(0.02, beyond, 10.55, 10.72)));
-    a.draw("back wall", palette.whitewash, &ring(HALF, &plate(BACK_WALL, BACK_WALL - 0.5, -0.45, 12.22)));
+    a.draw(
+        "gallery floor",
+        palette.brick_floor,
+        &ring(
+            HALF,
+            &plate(0.301, beyond + 0.01, 0.0, GROUND.floor - 0.001),
+        ),
+    );
+    a.draw(
+        "upper floor",
+        palette.brick_floor,
+        &ring(HALF, &plate(0.05, beyond, 5.24, UPPER.floor)),
+    );
+    a.draw(
+        "upper ceiling",
+        palette.wood,
+        &ring(HALF, &plate(0.02, beyond, 10.55, 10.72)),
+    );
+    a.draw(
+        "back wall",
+        palette.whitewash,
+        &ring(HALF, &plate(BACK_WALL, BACK_WALL - 0.5, -0.45, 12.22)),
+    );
     for (name, y) in [("skirting", GROUND.floor), ("upper skirting", UPPER.floor)] {
         let (foot, face) = (y - 0.02, BACK_WALL + 0.035);
-        let profile = [[BACK_WALL - 0.02, foot], [face, foot], [face, y + 0.22], [face - 0.015, y + 0.25], [BACK_WALL - 0.02, y + 0.26]];
+        let profile = [
+            [BACK_WALL - 0.02, foot],
+            [face, foot],
+            [face, y + 0.22],
+            [face - 0.015, y + 0.25],
+            [BACK_WALL - 0.02, y + 0.26],
+        ];
         a.draw(name, palette.stone, &ring(HALF, &profile));
     }
     vaults(a, palette);
@@ -46,7 +73,12 @@ fn vaults(a: &mut Assembly, palette: &Palette) {
         // Corner bays belong to the long sides.
         let corners = [-corner, corner].into_iter().filter(|_| side.is_long);
         for along in side.bays().chain(corners) {
-            a.place("vault", &[vault], side.at(along, -BAY / 2.0, 0.0), side.turn);
+            a.place(
+                "vault",
+                &[vault],
+                side.at(along, -BAY / 2.0, 0.0),
+                side.turn,
+            );
         }
         let all = (0..=side.bays).map(|i| (i as f32 - side.bays as f32 / 2.0) * BAY);
         // Two meet in a corner; so that no two faces coincide, one is lower.
@@ -62,7 +94,11 @@ fn vault() -> Shape {
     let node = |i: usize| {
         // Mirrored to the bit, so that the four webs meet.
         let angle = FRAC_PI_2 * i.min(PIECES - i) as f32 / (PIECES / 2) as f32;
-        let (sin, cos) = if 2 * i == PIECES { (1.0, 0.0) } else { angle.sin_cos() };
+        let (sin, cos) = if 2 * i == PIECES {
+            (1.0, 0.0)
+        } else {
+            angle.sin_cos()
+        };
         Vec2::new(if 2 * i < PIECES { -cos } else { cos }, sin) * VAULT
     };
     let (low, high) = (GROUND.spring, 5.31);
@@ -71,7 +107,11 @@ fn vault() -> Shape {
     for i in 0..PIECES {
         let [near, far] = [node(i), node(i + 1)];
         let side = |n: Vec2, z: f32| {
-            (Vec3::new(n.x, low + n.y, z), Vec3::new(-n.x, -n.y, 0.0) / VAULT, flat_uv(Vec3::new(n.x, 0.0, z), Vec3::Y))
+            (
+                Vec3::new(n.x, low + n.y, z),
+                Vec3::new(-n.x, -n.y, 0.0) / VAULT,
+                flat_uv(Vec3::new(n.x, 0.0, z), Vec3::Y),
+            )
         };
         // Rows between the groin, where z = |x|, and the wall, where z = VAULT, at the nodes of the grid.
         for k in 0..PIECES / 2 {
@@ -83,13 +123,21 @@ fn vault() -> Shape {
                 .map(|(n, z)| side(n, z))
                 .collect();
             if corners.len() >= 3 {
-                let v: Vec<u32> = corners.iter().map(|&(p, n, uv)| web.vertex(p, n, uv)).collect();
+                let v: Vec<u32> = corners
+                    .iter()
+                    .map(|&(p, n, uv)| web.vertex(p, n, uv))
+                    .collect();
                 (2..v.len()).for_each(|c| web.triangle([v[0], v[c - 1], v[c]]));
             }
         }
         // The side above the wall's arch, and the top, which is a triangle of a fan.
         let wall = |n: Vec2, y: f32| Vec3::new(n.x, y, VAULT);
-        web.polygon(&[wall(near, low + near.y), wall(far, low + far.y), wall(far, high), wall(near, high)]);
+        web.polygon(&[
+            wall(near, low + near.y),
+            wall(far, low + far.y),
+            wall(far, high),
+            wall(near, high),
+        ]);
         web.polygon(&[wall(near, high), wall(far, high), Vec3::Y * high]);
     }
     let mut shape = Shape::default();
@@ -124,13 +172,20 @@ fn rib() -> Shape {
 fn corbel() -> Shape {
     let (wall, top) = (-BACK_WALL + 0.05, GROUND.spring);
     let half = ABACUS * GROUND.column * 0.85;
-    let mut shape = bevelled(Vec3::new(-half, top - 0.09, wall - 0.30), Vec3::new(half, top + 0.008, wall), 0.012);
+    let mut shape = bevelled(
+        Vec3::new(-half, top - 0.09, wall - 0.30),
+        Vec3::new(half, top + 0.008, wall),
+        0.012,
+    );
     // (out of the wall, y): a quarter round under the slab that runs out in a point.
     let mut profile = vec![[-0.05, top - 0.62]];
     profile.extend([[0.03, top - 0.60], [0.05, top - 0.52]]);
     profile.extend(arc([0.05, top - 0.26], 0.16, -80.0, 90.0, 6));
     profile.extend([[0.21, top - 0.08], [-0.05, top - 0.08]]);
-    let turn = Affine3A::from_rotation_translation(Quat::from_rotation_y(FRAC_PI_2), Vec3::Z * (wall - 0.05));
+    let turn = Affine3A::from_rotation_translation(
+        Quat::from_rotation_y(FRAC_PI_2),
+        Vec3::Z * (wall - 0.05),
+    );
     shape.append(&extrude(&profile, -half * 0.8, half * 0.8).transformed(turn));
     shape
 }
@@ -138,13 +193,22 @@ fn corbel() -> Shape {
 /// Timbers under the upper ceiling, from the arcade to the wall.
 fn beams(a: &mut Assembly, palette: &Palette) {
     let (near, far) = (UPPER.half_wall - 0.05, -BACK_WALL + 0.1);
-    let mut timber = bevelled(Vec3::new(-0.09, 10.33, near), Vec3::new(0.09, 10.57, far), 0.012);
-    timber.append(&bevelled(Vec3::new(-0.11, 10.2, far - 0.45), Vec3::new(0.11, 10.34, far), 0.03));
+    let mut timber = bevelled(
+        Vec3::new(-0.09, 10.33, near),
+        Vec3::new(0.09, 10.57, far),
+        0.012,
+    );
+    timber.append(&bevelled(
+        Vec3::new(-0.11, 10.2, far - 0.45),
+        Vec3::new(0.11, 10.34, far),
+        0.03,
+    ));
     let timber = a.mesh("timber", palette.dark_wood, &timber);
     for side in &SIDES {
         // Long sides carry the corners too; there the beams lie closer than a bay to the short wall.
-        let half = side.bays as f32 * BAY / 2.0 + if side.is_long { -BACK_WALL - 0.3 } else { -0.3 };
-        let count = (2.0 * half / 0.66).floor() as i32;
+        let half =
+            side.bays as f32 * BAY / 2.0 + if side.is_long { -BACK_WALL - 0.3 } else { -0.3 };
+        let count = (2.0 * half / 0.7).floor() as i32;
         for i in 0..=count {
             let along = -half + 2.0 * half * i as f32 / count as f32;
             a.place("timber", &[timber], side.at(along, 0.0, 0.0), side.turn);
@@ -157,13 +221,42 @@ fn doors(a: &mut Assembly, palette: &Palette) {
     let (width, height) = (0.62, 2.35);
     // What stands out more is sunk deeper, so that no two faces coincide.
     let block = |x: [f32; 2], y: [f32; 2], out: f32, bevel: f32| {
-        bevelled(Vec3::new(x[0], y[0], -out), Vec3::new(x[1], y[1], 0.04 + 0.1 * out), bevel)
+        bevelled(
+            Vec3::new(x[0], y[0], -out),
+            Vec3::new(x[1], y[1], 0.04 + 0.1 * out),
+            bevel,
+        )
     };
-    let mut frame = block([-width - 0.2, -width + 0.01], [-0.01, height + 0.01], 0.10, 0.015);
-    frame.append(&block([width - 0.01, width + 0.2], [-0.01, height + 0.01], 0.10, 0.015));
-    frame.append(&block([-width - 0.21, width + 0.21], [height, height + 0.22], 0.105, 0.015));
-    frame.append(&block([-width - 0.19, width + 0.19], [height + 0.2, height + 0.36], 0.085, 0.01));
-    frame.append(&block([-width - 0.32, width + 0.32], [height + 0.35, height + 0.45], 0.2, 0.03));
+    let mut frame = block(
+        [-width - 0.2, -width + 0.01],
+        [-0.01, height + 0.01],
+        0.10,
+        0.015,
+    );
+    frame.append(&block(
+        [width - 0.01, width + 0.2],
+        [-0.01, height + 0.01],
+        0.10,
+        0.015,
+    ));
+    frame.append(&block(
+        [-width - 0.21, width + 0.21],
+        [height, height + 0.22],
+        0.105,
+        0.015,
+    ));
+    frame.append(&block(
+        [-width - 0.19, width + 0.19],
+        [height + 0.2, height + 0.36],
+        0.085,
+        0.01,
+    ));
+    frame.append(&block(
+        [-width - 0.32, width + 0.32],
+        [height + 0.35, height + 0.45],
+        0.2,
+        0.03,
+    ));
     let mut leaf = block([-width, width], [0.0, height], 0.04, 0.005);
     for x in [-0.31, 0.31] {
         for (low, high) in [(0.15, 1.0), (1.15, 2.2)] {
@@ -176,7 +269,12 @@ fn doors(a: &mut Assembly, palette: &Palette) {
         for (i, along) in side.bays().enumerate() {
             for (y, odd) in [(GROUND.floor, 0), (UPPER.floor, 1)] {
                 if i % 2 == odd {
-                    a.place("door", &[frame, leaf], side.at(along, BACK_WALL, y), side.turn);
+                    a.place(
+                        "door",
+                        &[frame, leaf],
+                        side.at(along, BACK_WALL, y),
+                        side.turn,
+                    );
                 }
             }
         }

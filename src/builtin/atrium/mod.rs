@@ -46,11 +46,25 @@ struct Storey {
     column: f32,
 }
 
-const GROUND: Storey =
-    Storey { floor: 0.16, foot: 0.16, spring: 3.56, top: 5.62, radius: 1.40, half_wall: 0.23, column: 0.44 };
+const GROUND: Storey = Storey {
+    floor: 0.16,
+    foot: 0.16,
+    spring: 3.56,
+    top: 5.62,
+    radius: 1.40,
+    half_wall: 0.23,
+    column: 0.44,
+};
 
-const UPPER: Storey =
-    Storey { floor: 5.60, foot: 6.56, spring: 8.9, top: 11.2, radius: 1.42, half_wall: 0.20, column: 0.33 };
+const UPPER: Storey = Storey {
+    floor: 5.60,
+    foot: 6.56,
+    spring: 8.9,
+    top: 11.2,
+    radius: 1.42,
+    half_wall: 0.20,
+    column: 0.33,
+};
 
 /// Builds the courtyard.
 pub(super) fn atrium() -> (Scene, View) {
@@ -63,15 +77,15 @@ pub(super) fn atrium() -> (Scene, View) {
     plants::plants(&mut a, &palette);
     banner::banners(&mut a, &palette);
 
-    let mut view = view([-8.9, 2.35, 4.9], [5.2, 3.55, -2.6], 62.0, [960, 540]);
-    view.sun = sun([0.42, -1.0, -0.38], [15.0, 13.8, 11.8]);
-    view.environment = sky([0.8, 1.1, 1.6]);
-    view.exposure = 0.8;
+    let mut view = view([-9.1, 1.75, 1.9], [9.0, 3.15, -1.5], 66.0, [960, 540]);
+    view.sun = sun([0.30, -1.0, -0.36], [15.0, 13.8, 11.8]);
+    view.environment = sky([0.55, 0.85, 1.45]);
+    view.exposure = 0.65;
     (a.scene, view)
 }
 
-/// A side of the court: things are built along x as if for the side z = +`half depth`, facing the court at -z... and
-/// then turned about the y axis.
+/// A side of the court. Things are built for the side towards +z: along x, with the court towards -z; then they are
+/// turned about the y axis.
 #[derive(Clone, Copy)]
 struct Side {
     /// Turn about y that brings the side from +z to its place.
@@ -85,10 +99,30 @@ struct Side {
 }
 
 const SIDES: [Side; 4] = [
-    Side { turn: 0.0, bays: BAYS[0], depth: HALF[1], is_long: true },
-    Side { turn: FRAC_PI_2, bays: BAYS[1], depth: HALF[0], is_long: false },
-    Side { turn: PI, bays: BAYS[0], depth: HALF[1], is_long: true },
-    Side { turn: -FRAC_PI_2, bays: BAYS[1], depth: HALF[0], is_long: false },
+    Side {
+        turn: 0.0,
+        bays: BAYS[0],
+        depth: HALF[1],
+        is_long: true,
+    },
+    Side {
+        turn: FRAC_PI_2,
+        bays: BAYS[1],
+        depth: HALF[0],
+        is_long: false,
+    },
+    Side {
+        turn: PI,
+        bays: BAYS[0],
+        depth: HALF[1],
+        is_long: true,
+    },
+    Side {
+        turn: -FRAC_PI_2,
+        bays: BAYS[1],
+        depth: HALF[0],
+        is_long: false,
+    },
 ];
 
 impl Side {
@@ -99,11 +133,14 @@ impl Side {
         [x * cos + z * sin, f64::from(y), -x * sin + z * cos]
     }
 
-    /// Where the columns stand along the side, without the corners' second mention: a short side has only the inner ones.
+    /// Where the columns stand along the side. Those in the corners belong to the long sides.
     fn columns(&self) -> impl Iterator<Item = f32> {
         let bays = self.bays;
-        // Each corner belongs to one long side, the one where `along` is lowest or highest.
-        let (first, last) = if self.is_long { (0, bays) } else { (1, bays - 1) };
+        let (first, last) = if self.is_long {
+            (0, bays)
+        } else {
+            (1, bays - 1)
+        };
         (first..=last).map(move |i| (i as f32 - bays as f32 / 2.0) * BAY)
     }
 

@@ -25,16 +25,25 @@ pub(super) fn plants(a: &mut Assembly, palette: &Palette) {
     let soil = [[0.0, 0.50], [0.335, 0.50], [0.335, 0.55], [0.0, 0.58]];
     let pot = a.mesh("pot", palette.terracotta, &lathe(&pot, 24, false));
     let soil = a.mesh("soil", palette.soil, &lathe(&soil, 24, false));
-    let trunk = cylinder(Vec3::new(0.0, 0.52, 0.0), Vec3::new(0.03, 1.4, 0.02), 0.035, 10);
+    let trunk = cylinder(
+        Vec3::new(0.0, 0.52, 0.0),
+        Vec3::new(0.03, 1.4, 0.02),
+        0.035,
+        10,
+    );
     let trunk = a.mesh("trunk", palette.dark_wood, &trunk);
-    for side in &SIDES {
-        let reach = if side.is_long { BAY } else { 0.0 };
-        for along in [-reach, reach].into_iter().take(if side.is_long { 2 } else { 1 }) {
+    for side in SIDES.iter().filter(|side| side.is_long) {
+        for along in [-2.0 * BAY, 0.0, 2.0 * BAY] {
             let seed = (side.depth * 10.0 + along * 7.0 + side.turn as f32 * 3.0) as i32;
             let crown = a.mesh("leaves", palette.leaves, &crown(seed));
             let fruit = a.mesh("oranges", palette.orange, &fruit(seed));
             let at = side.at(along, 1.35, 0.0);
-            a.place("orange tree", &[pot, soil, trunk, crown, fruit], at, chance(seed, 0, 81).into());
+            a.place(
+                "orange tree",
+                &[pot, soil, trunk, crown, fruit],
+                at,
+                chance(seed, 0, 81).into(),
+            );
         }
     }
 }
@@ -57,7 +66,7 @@ fn reach(d: Vec3, seed: i32) -> f32 {
 
 /// Folded leaves around a dense core.
 fn crown(seed: i32) -> Shape {
-    const LEAVES: i32 = 700;
+    const LEAVES: i32 = 580;
     let mut shape = sphere(0.36, 16).at(MIDDLE.x, MIDDLE.y, MIDDLE.z);
     for i in 0..LEAVES {
         let random = |what: i32| chance(i, seed * 8 + what, 83);
@@ -65,7 +74,8 @@ fn crown(seed: i32) -> Shape {
         let at = MIDDLE + d * reach(d, seed) * (0.66 + 0.38 * random(0));
         let jitter = Vec3::new(random(1) - 0.5, random(2) - 0.2, random(3) - 0.5);
         let normal = (d + 0.9 * jitter).normalize_or(d);
-        let turn = Quat::from_rotation_arc(Vec3::Y, normal) * Quat::from_rotation_y(random(4) * TAU);
+        let turn =
+            Quat::from_rotation_arc(Vec3::Y, normal) * Quat::from_rotation_y(random(4) * TAU);
         let size = 0.09 + 0.04 * random(5);
         let point = |x: f32, y: f32, z: f32| at + turn * (Vec3::new(x, y, z) * size);
         let (stem, tip) = (point(-0.8, 0.0, 0.0), point(0.8, -0.15, 0.0));
@@ -81,7 +91,8 @@ fn fruit(seed: i32) -> Shape {
     let mut shape = Shape::default();
     for i in 0..ORANGES {
         let d = direction(i, ORANGES);
-        let d = (d + Vec3::new(chance(i, seed, 84), chance(i, seed, 85), 0.0) * 0.4).normalize_or(d);
+        let d =
+            (d + Vec3::new(chance(i, seed, 84), chance(i, seed, 85), 0.0) * 0.4).normalize_or(d);
         let at = MIDDLE + d * reach(d, seed) * 0.98;
         shape.append(&orange.at(at.x, at.y, at.z));
     }

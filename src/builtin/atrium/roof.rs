@@ -55,7 +55,11 @@ fn tiles(a: &mut Assembly, palette: &Palette) {
     let tilt = Affine3A::from_quat(Quat::from_rotation_x(-SLOPE.atan()));
     let stretch = (1.0 + SLOPE * SLOPE).sqrt();
     let length = (EAVES + 0.04 - EDGE) * stretch;
-    let full = a.mesh("tiles", palette.roof_tiles, &extrude(&profile, 0.0, length).transformed(tilt));
+    let full = a.mesh(
+        "tiles",
+        palette.roof_tiles,
+        &extrude(&profile, 0.0, length).transformed(tilt),
+    );
     for side in &SIDES {
         let reach = if side.is_long { HALF[0] } else { HALF[1] } - EAVES;
         let rows = (2.0 * reach / spacing).floor() as i32;
@@ -71,7 +75,12 @@ fn tiles(a: &mut Assembly, palette: &Palette) {
 /// Rafter ends under the eaves.
 fn rafters(a: &mut Assembly, palette: &Palette) {
     let tilt = Affine3A::from_quat(Quat::from_rotation_x(-SLOPE.atan()));
-    let shape = bevelled(Vec3::new(-0.05, -0.13, 0.0), Vec3::new(0.05, 0.02, 1.0), 0.012).transformed(tilt);
+    let shape = bevelled(
+        Vec3::new(-0.05, -0.13, 0.0),
+        Vec3::new(0.05, 0.02, 1.0),
+        0.012,
+    )
+    .transformed(tilt);
     let rafter = a.mesh("rafter", palette.dark_wood, &shape);
     for side in &SIDES {
         let reach = if side.is_long { HALF[0] } else { HALF[1] } - 0.45;
@@ -79,8 +88,14 @@ fn rafters(a: &mut Assembly, palette: &Palette) {
         for i in 0..=count {
             let along = -reach + 2.0 * reach * i as f32 / count as f32;
             // The ends lie in the mitre of the corner; shorter ones there would not be seen.
-            let inwards = (EAVES - 0.08).min(if side.is_long { HALF[0] } else { HALF[1] } - along.abs());
-            a.place("rafter", &[rafter], side.at(along, inwards, underside(inwards)), side.turn);
+            let inwards =
+                (EAVES - 0.08).min(if side.is_long { HALF[0] } else { HALF[1] } - along.abs());
+            a.place(
+                "rafter",
+                &[rafter],
+                side.at(along, inwards, underside(inwards)),
+                side.turn,
+            );
         }
     }
 }

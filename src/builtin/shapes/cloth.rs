@@ -4,8 +4,14 @@ use glam::{Vec2, Vec3};
 
 /// A closed sheet of `thickness` about the surface `at(s, t)`, s and t from 0 to 1. Seen from its front, s runs to the
 /// right and t down. Texture coordinates are (s, t).
-pub(crate) fn sheet(columns: usize, rows: usize, thickness: f32, at: impl Fn(f32, f32) -> Vec3) -> Shape {
-    let coordinates = |i: usize, j: usize| Vec2::new(j as f32 / columns as f32, i as f32 / rows as f32);
+pub(crate) fn sheet(
+    columns: usize,
+    rows: usize,
+    thickness: f32,
+    at: impl Fn(f32, f32) -> Vec3,
+) -> Shape {
+    let coordinates =
+        |i: usize, j: usize| Vec2::new(j as f32 / columns as f32, i as f32 / rows as f32);
     let normal = |i: usize, j: usize| {
         let (c, h) = (coordinates(i, j), 1e-2);
         let along_s = at((c.x + h).min(1.0), c.y) - at((c.x - h).max(0.0), c.y);
@@ -17,7 +23,13 @@ pub(crate) fn sheet(columns: usize, rows: usize, thickness: f32, at: impl Fn(f32
         at(c.x, c.y) + normal(i, j) * (side * thickness / 2.0)
     };
     let mut shape = Shape::default();
-    shape.grid(columns + 1, rows + 1, |j, i| (point(rows - i, j, -1.0), -normal(rows - i, j), coordinates(rows - i, j)));
+    shape.grid(columns + 1, rows + 1, |j, i| {
+        (
+            point(rows - i, j, -1.0),
+            -normal(rows - i, j),
+            coordinates(rows - i, j),
+        )
+    });
     shape.grid(rows + 1, columns + 1, |i, j| {
         let i = rows - i;
         (point(i, j, 1.0), normal(i, j), coordinates(i, j))
@@ -30,10 +42,16 @@ pub(crate) fn sheet(columns: usize, rows: usize, thickness: f32, at: impl Fn(f32
     let rim: Vec<(usize, usize)> = left.chain(bottom).chain(right).chain(top).collect();
     for k in 0..rim.len() {
         let ((i, j), (m, n)) = (rim[k], rim[(k + 1) % rim.len()]);
-        let corners = [point(i, j, -1.0), point(m, n, -1.0), point(m, n, 1.0), point(i, j, 1.0)];
+        let corners = [
+            point(i, j, -1.0),
+            point(m, n, -1.0),
+            point(m, n, 1.0),
+            point(i, j, 1.0),
+        ];
         let outward = super::area_vector(&corners).normalize_or(Vec3::Y);
         let [a, b] = [coordinates(i, j), coordinates(m, n)];
-        let quad = [(0, a), (1, b), (2, b), (3, a)].map(|(c, uv)| shape.vertex(corners[c], outward, uv));
+        let quad =
+            [(0, a), (1, b), (2, b), (3, a)].map(|(c, uv)| shape.vertex(corners[c], outward, uv));
         shape.triangle([quad[0], quad[1], quad[2]]);
         shape.triangle([quad[0], quad[2], quad[3]]);
     }

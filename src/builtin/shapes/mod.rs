@@ -46,8 +46,10 @@ impl Shape {
     /// Adds a flat convex polygon, counter-clockwise seen from its front.
     pub fn polygon(&mut self, corners: &[Vec3]) {
         let normal = area_vector(corners).normalize_or(Vec3::Y);
-        let indices: Vec<u32> =
-            corners.iter().map(|&p| self.vertex(p, normal, flat_uv(p, normal))).collect();
+        let indices: Vec<u32> = corners
+            .iter()
+            .map(|&p| self.vertex(p, normal, flat_uv(p, normal)))
+            .collect();
         for i in 2..indices.len() {
             self.triangle([indices[0], indices[i - 1], indices[i]]);
         }
@@ -55,7 +57,12 @@ impl Shape {
 
     /// Adds the surface through a table of `(position, normal, uv)`; cells are counter-clockwise in the order (i, j),
     /// (i, j + 1), (i + 1, j + 1).
-    pub fn grid(&mut self, rows: usize, columns: usize, at: impl Fn(usize, usize) -> (Vec3, Vec3, Vec2)) {
+    pub fn grid(
+        &mut self,
+        rows: usize,
+        columns: usize,
+        at: impl Fn(usize, usize) -> (Vec3, Vec3, Vec2),
+    ) {
         let base = self.positions.len() as u32;
         for i in 0..rows {
             for j in 0..columns {
@@ -80,7 +87,8 @@ impl Shape {
         self.positions.extend_from_slice(&other.positions);
         self.normals.extend_from_slice(&other.normals);
         self.uvs.extend_from_slice(&other.uvs);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + base)));
+        self.triangles
+            .extend(other.triangles.iter().map(|t| t.map(|i| i + base)));
     }
 
     /// The shape moved by `map`, which must be invertible; mirroring keeps fronts in front.
@@ -89,8 +97,16 @@ impl Shape {
         let mirrored = map.matrix3.determinant() < 0.0;
         let turn = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         Shape {
-            positions: self.positions.iter().map(|&p| map.transform_point3(p)).collect(),
-            normals: self.normals.iter().map(|&n| (normal_map * n).normalize_or(Vec3::Y)).collect(),
+            positions: self
+                .positions
+                .iter()
+                .map(|&p| map.transform_point3(p))
+                .collect(),
+            normals: self
+                .normals
+                .iter()
+                .map(|&n| (normal_map * n).normalize_or(Vec3::Y))
+                .collect(),
             uvs: self.uvs.clone(),
             triangles: self.triangles.iter().map(|&t| turn(t)).collect(),
         }
@@ -104,7 +120,9 @@ impl Shape {
 
 /// Twice the area of a flat polygon along its normal (Newell's formula).
 fn area_vector(corners: &[Vec3]) -> Vec3 {
-    (0..corners.len()).map(|i| corners[i].cross(corners[(i + 1) % corners.len()])).sum()
+    (0..corners.len())
+        .map(|i| corners[i].cross(corners[(i + 1) % corners.len()]))
+        .sum()
 }
 
 /// Texture coordinates of a point of a flat face: the two axes that the face spans best, upright on walls.

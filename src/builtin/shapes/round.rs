@@ -4,11 +4,20 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Points of an arc about `centre`, from one angle to another in degrees, both ends included.
-pub(crate) fn arc(centre: [f32; 2], radius: f32, from: f32, to: f32, pieces: usize) -> Vec<[f32; 2]> {
+pub(crate) fn arc(
+    centre: [f32; 2],
+    radius: f32,
+    from: f32,
+    to: f32,
+    pieces: usize,
+) -> Vec<[f32; 2]> {
     (0..=pieces)
         .map(|i| {
             let angle = (from + (to - from) * i as f32 / pieces as f32).to_radians();
-            [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()]
+            [
+                centre[0] + radius * angle.cos(),
+                centre[1] + radius * angle.sin(),
+            ]
         })
         .collect()
 }
@@ -20,7 +29,11 @@ pub(crate) fn lathe(profile: &[[f32; 2]], segments: usize, faceted: bool) -> Sha
     let on_axis = |p: [f32; 2]| p[0] == 0.0;
     let is_open = profile.len() > 1 && on_axis(profile[0]) && on_axis(profile[profile.len() - 1]);
     let normals = profile_normals(profile);
-    let edges = if is_open { profile.len() - 1 } else { profile.len() };
+    let edges = if is_open {
+        profile.len() - 1
+    } else {
+        profile.len()
+    };
     let widest = profile.iter().map(|p| p[0]).fold(0.0, f32::max);
     let spoke = |j: usize| Vec2::from_angle((j % segments) as f32 / segments as f32 * TAU);
     let half_turn = Vec2::from_angle(PI / segments as f32);
@@ -33,8 +46,15 @@ pub(crate) fn lathe(profile: &[[f32; 2]], segments: usize, faceted: bool) -> Sha
             let (direction, n) = (spoke(j), ends[end]);
             let normal = Vec3::new(facet.x * n.x, n.y, -facet.y * n.x);
             // A texture's u grows to the right, seen from outside.
-            let uv = Vec2::new(j as f32 / segments as f32 * TAU * widest, -(height + length * end as f32));
-            (Vec3::new(direction.x * radius, y, -direction.y * radius), normal, uv)
+            let uv = Vec2::new(
+                j as f32 / segments as f32 * TAU * widest,
+                -(height + length * end as f32),
+            );
+            (
+                Vec3::new(direction.x * radius, y, -direction.y * radius),
+                normal,
+                uv,
+            )
         };
         if faceted {
             for j in 0..segments {

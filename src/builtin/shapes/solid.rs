@@ -3,11 +3,23 @@ use super::Shape;
 use glam::Vec3;
 
 /// The six faces of a box as corner numbers; bit 0 is x, bit 1 is y, bit 2 is z. Order: -x, +x, -y, +y, -z, +z.
-const FACES: [[usize; 4]; 6] =
-    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+const FACES: [[usize; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
 
 fn corner(low: Vec3, high: Vec3, number: usize) -> Vec3 {
-    let pick = |axis: usize| if number >> axis & 1 == 1 { high[axis] } else { low[axis] };
+    let pick = |axis: usize| {
+        if number >> axis & 1 == 1 {
+            high[axis]
+        } else {
+            low[axis]
+        }
+    };
     Vec3::new(pick(0), pick(1), pick(2))
 }
 
@@ -41,7 +53,12 @@ pub(crate) fn bevelled(low: Vec3, high: Vec3, bevel: f32) -> Shape {
             let next = number | 1 << axis;
             if next != number {
                 let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-                let quad = [point(number, p), point(number, q), point(next, q), point(next, p)];
+                let quad = [
+                    point(number, p),
+                    point(number, q),
+                    point(next, q),
+                    point(next, p),
+                ];
                 let flipped = [quad[3], quad[2], quad[1], quad[0]];
                 shape.polygon(if odd { &flipped } else { &quad });
             }
@@ -55,7 +72,11 @@ pub(crate) type Opening = [[f32; 2]; 2];
 
 /// A closed solid between an outer box and an inner one: the inside is a room. Returns the outside with the reveals of
 /// the opening, and the six inner faces in the order -x, +x, -y (floor), +y (ceiling), -z, +z.
-pub(crate) fn shell(inner: [Vec3; 2], outer: [Vec3; 2], opening: Option<Opening>) -> (Shape, [Shape; 6]) {
+pub(crate) fn shell(
+    inner: [Vec3; 2],
+    outer: [Vec3; 2],
+    opening: Option<Opening>,
+) -> (Shape, [Shape; 6]) {
     let mut outside = Shape::default();
     let mut inside: [Shape; 6] = Default::default();
     for (i, face) in FACES.iter().enumerate() {
@@ -65,7 +86,9 @@ pub(crate) fn shell(inner: [Vec3; 2], outer: [Vec3; 2], opening: Option<Opening>
         match opening {
             Some([[x0, x1], [y0, y1]]) if i == 5 => {
                 // Counter-clockwise seen from outside (+z).
-                let hole = |z: f32| [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| Vec3::new(x, y, z));
+                let hole = |z: f32| {
+                    [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| Vec3::new(x, y, z))
+                };
                 let (near, far) = (hole(inner[1].z), hole(outer[1].z));
                 inner_face.reverse();
                 for k in 0..4 {

@@ -33,7 +33,13 @@ pub(super) fn profile_normals(profile: &[[f32; 2]]) -> Vec<([Vec2; 2], f32)> {
     let n = profile.len();
     let edge = |i: usize| Vec2::from(profile[(i + 1) % n]) - Vec2::from(profile[i % n]);
     let normal = |i: usize| edge(i).normalize_or_zero().perp() * -1.0;
-    let blend = |a: Vec2, b: Vec2| if a.dot(b) > SMOOTH { (a + b).normalize_or(a) } else { a };
+    let blend = |a: Vec2, b: Vec2| {
+        if a.dot(b) > SMOOTH {
+            (a + b).normalize_or(a)
+        } else {
+            a
+        }
+    };
     (0..n)
         .map(|i| {
             let own = normal(i);
@@ -47,7 +53,11 @@ pub(super) fn profile_normals(profile: &[[f32; 2]]) -> Vec<([Vec2; 2], f32)> {
 pub(crate) fn sweep(profile: &[[f32; 2]], frames: &[Frame], path: Path) -> Shape {
     let mut shape = Shape::default();
     let edges = profile_normals(profile);
-    let segments = if path == Path::Mitred { frames.len() } else { frames.len() - 1 };
+    let segments = if path == Path::Mitred {
+        frames.len()
+    } else {
+        frames.len() - 1
+    };
     let mut along = 0.0;
     for k in 0..segments {
         let (near, far) = (&frames[k], &frames[(k + 1) % frames.len()]);
@@ -76,8 +86,13 @@ pub(crate) fn sweep(profile: &[[f32; 2]], frames: &[Frame], path: Path) -> Shape
                 (p, normal_at(frame, normals[end]), uv)
             };
             let end = along + step.length();
-            let quad = [corner(0, near, along), corner(1, near, along), corner(1, far, end), corner(0, far, end)]
-                .map(|(p, n, uv)| shape.vertex(p, n, uv));
+            let quad = [
+                corner(0, near, along),
+                corner(1, near, along),
+                corner(1, far, end),
+                corner(0, far, end),
+            ]
+            .map(|(p, n, uv)| shape.vertex(p, n, uv));
             shape.triangle([quad[0], quad[1], quad[2]]);
             shape.triangle([quad[0], quad[2], quad[3]]);
             around += length;
@@ -87,7 +102,8 @@ pub(crate) fn sweep(profile: &[[f32; 2]], frames: &[Frame], path: Path) -> Shape
     if path == Path::Smooth {
         let faces = triangulate(profile);
         for (frame, is_end) in [(&frames[0], false), (&frames[frames.len() - 1], true)] {
-            let outward = frame.u.cross(frame.v).normalize_or(Vec3::Y) * if is_end { 1.0 } else { -1.0 };
+            let outward =
+                frame.u.cross(frame.v).normalize_or(Vec3::Y) * if is_end { 1.0 } else { -1.0 };
             let base = shape.positions.len() as u32;
             for &point in profile {
                 let p = frame.place(point);
@@ -104,18 +120,23 @@ pub(crate) fn sweep(profile: &[[f32; 2]], frames: &[Frame], path: Path) -> Shape
 
 /// A closed prism: the counter-clockwise outline (x, y) from z = `from` to z = `to`.
 pub(crate) fn extrude(outline: &[[f32; 2]], from: f32, to: f32) -> Shape {
-    let frame = |z: f32| Frame { origin: Vec3::Z * z, u: Vec3::X, v: Vec3::Y };
+    let frame = |z: f32| Frame {
+        origin: Vec3::Z * z,
+        u: Vec3::X,
+        v: Vec3::Y,
+    };
     sweep(outline, &[frame(from), frame(to)], Path::Smooth)
 }
 
 /// A closed ring around the axis y over the rectangle of the given half sides (x, z). Profile points are (distance
 /// inwards from the rectangle, y), counter-clockwise; so -1 is a metre outside of the rectangle.
 pub(crate) fn ring(half: [f32; 2], profile: &[[f32; 2]]) -> Shape {
-    let frames = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, z]: [f32; 2]| Frame {
-        origin: Vec3::new(x * half[0], 0.0, z * half[1]),
-        u: Vec3::new(-x, 0.0, -z),
-        v: Vec3::Y,
-    });
+    let frames =
+        [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, z]: [f32; 2]| Frame {
+            origin: Vec3::new(x * half[0], 0.0, z * half[1]),
+            u: Vec3::new(-x, 0.0, -z),
+            v: Vec3::Y,
+        });
     sweep(profile, &frames, Path::Mitred)
 }
 
@@ -132,9 +153,9 @@ pub(super) fn triangulate(outline: &[[f32; 2]]) -> Vec<[u32; 3]> {
         let is_ear = |i: usize| {
             let [a, b, c] = [at(i + n - 1), at(i), at(i + 1)];
             area(a, b, c) > 0.0
-                && (2..n - 1).map(|k| at(i + k)).all(|p| {
-                    area(a, b, p) < 0.0 || area(b, c, p) < 0.0 || area(c, a, p) < 0.0
-                })
+                && (2..n - 1)
+                    .map(|k| at(i + k))
+                    .all(|p| area(a, b, p) < 0.0 || area(b, c, p) < 0.0 || area(c, a, p) < 0.0)
         };
         // A polygon that crosses itself has no ear at some point; cutting anything still ends.
         let ear = (0..n).find(|&i| is_ear(i)).unwrap_or(0);

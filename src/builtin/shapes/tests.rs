@@ -4,7 +4,11 @@ use std::collections::HashMap;
 
 /// Fails unless the shape is watertight and faces outwards.
 pub(crate) fn assert_closed(name: &str, shape: &Shape) {
-    let key = |i: u32| shape.positions[i as usize].to_array().map(|c| (c + 0.0).to_bits());
+    let key = |i: u32| {
+        shape.positions[i as usize]
+            .to_array()
+            .map(|c| (c + 0.0).to_bits())
+    };
     let mut edges: HashMap<_, i32> = HashMap::new();
     let mut volume = 0.0_f64;
     for &[a, b, c] in &shape.triangles {
@@ -14,18 +18,33 @@ pub(crate) fn assert_closed(name: &str, shape: &Shape) {
         let [a, b, c] = [a, b, c].map(|i| shape.positions[i as usize].as_dvec3());
         volume += a.dot(b.cross(c)) / 6.0;
     }
-    let single = edges.iter().filter(|((a, b), n)| edges.get(&(*b, *a)) != Some(n)).count();
+    let single = edges
+        .iter()
+        .filter(|((a, b), n)| edges.get(&(*b, *a)) != Some(n))
+        .count();
     assert_eq!(single, 0, "{name}: edges without their opposite");
-    assert!(edges.values().all(|&n| n == 1), "{name}: an edge belongs to more than two triangles");
+    assert!(
+        edges.values().all(|&n| n == 1),
+        "{name}: an edge belongs to more than two triangles"
+    );
     assert!(volume > 0.0, "{name}: it is inside out, volume {volume}");
 }
 
 /// Fails unless there is a unit normal per vertex, on the front of each triangle, and every triangle has an area.
-pub(crate) fn assert_normals(name: &str, positions: &[Vec3], normals: &[Vec3], triangles: &[[u32; 3]]) {
+pub(crate) fn assert_normals(
+    name: &str,
+    positions: &[Vec3],
+    normals: &[Vec3],
+    triangles: &[[u32; 3]],
+) {
     assert_eq!(positions.len(), normals.len(), "{name}");
     for n in normals {
         // Rounding of a normalised f32 vector is below 4 ULP.
-        assert!((n.length() - 1.0).abs() < 1e-6, "{name}: normal {n} has length {}", n.length());
+        assert!(
+            (n.length() - 1.0).abs() < 1e-6,
+            "{name}: normal {n} has length {}",
+            n.length()
+        );
     }
     for t in triangles {
         let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
@@ -34,7 +53,10 @@ pub(crate) fn assert_normals(name: &str, positions: &[Vec3], normals: &[Vec3], t
         for &i in t {
             let front = face.normalize().dot(normals[i as usize].as_dvec3());
             // Smooth normals lean by half the angle between faces at most.
-            assert!(front > 0.5, "{name}: normal of triangle {t:?} leans away, {front}");
+            assert!(
+                front > 0.5,
+                "{name}: normal of triangle {t:?} leans away, {front}"
+            );
         }
     }
 }
@@ -49,14 +71,38 @@ fn solids() -> Vec<(&'static str, Shape)> {
     let mirror = Affine3A::from_scale(Vec3::new(-1.0, 2.0, 0.5));
     vec![
         ("cuboid", cuboid(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0))),
-        ("bevelled", bevelled(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 0.1)),
-        ("mirrored", bevelled(Vec3::ZERO, Vec3::ONE, 0.1).transformed(mirror)),
+        (
+            "bevelled",
+            bevelled(Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0), 0.1),
+        ),
+        (
+            "mirrored",
+            bevelled(Vec3::ZERO, Vec3::ONE, 0.1).transformed(mirror),
+        ),
         ("extruded arch", extrude(&arch, -0.2, 0.2)),
-        ("ring", ring([3.0, 2.0], &[[-0.5, 0.0], [0.5, 0.0], [0.5, 0.2], [-0.5, 0.4]])),
-        ("lathe", lathe(&[[0.0, 0.0], [0.5, 0.0], [0.4, 1.0], [0.0, 1.2]], 12, false)),
-        ("faceted", lathe(&[[0.0, 0.0], [0.5, 0.0], [0.4, 1.0], [0.0, 1.2]], 8, true)),
-        ("torus", lathe(&[[1.0, 0.0], [1.2, 0.1], [1.0, 0.2], [0.8, 0.1]], 12, false)),
-        ("cylinder", cylinder(Vec3::ONE, Vec3::new(2.0, 3.0, -1.0), 0.1, 8)),
+        (
+            "ring",
+            ring(
+                [3.0, 2.0],
+                &[[-0.5, 0.0], [0.5, 0.0], [0.5, 0.2], [-0.5, 0.4]],
+            ),
+        ),
+        (
+            "lathe",
+            lathe(&[[0.0, 0.0], [0.5, 0.0], [0.4, 1.0], [0.0, 1.2]], 12, false),
+        ),
+        (
+            "faceted",
+            lathe(&[[0.0, 0.0], [0.5, 0.0], [0.4, 1.0], [0.0, 1.2]], 8, true),
+        ),
+        (
+            "torus",
+            lathe(&[[1.0, 0.0], [1.2, 0.1], [1.0, 0.2], [0.8, 0.1]], 12, false),
+        ),
+        (
+            "cylinder",
+            cylinder(Vec3::ONE, Vec3::new(2.0, 3.0, -1.0), 0.1, 8),
+        ),
         ("sphere", sphere(0.5, 12)),
         ("sheet", sheet(10, 6, 0.01, wave)),
     ]

@@ -1,0 +1,36 @@
+// What a surfel's depth function lets through. Reads the stage's global `depths`.
+import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_chebyshev, lookup_moments};
+import package::octahedral::octahedral_hemisphere_encode;
+import package::sampling::sampling_to_local;
+import package::types::SurfelPose;
+import package::vector::vector_length;
+
+fn depth_texel(surfel: u32, x: f32, y: f32) -> vec2<f32> {
+    let last = f32(LOOKUP_DEPTH_SIDE) - 1.0;
+    let column = u32(clamp(x, 0.0, last));
+    let row = u32(clamp(y, 0.0, last));
+    return lookup_moments(depths[surfel].texels[row * LOOKUP_DEPTH_SIDE + column]);
+}
+
+/// Moments of a surfel's depth function in a direction of its frame, bilinear.
+fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
+    let uv = octahedral_hemisphere_encode(local) * f32(LOOKUP_DEPTH_SIDE) - 0.5;
+    let low = floor(uv);
+    let f = uv - low;
+    let top = depth_texel(surfel, low.x, low.y) * (1.0 - f.x) + depth_texel(surfel, low.x + 1.0, low.y) * f.x;
+    let bottom =
+        depth_texel(surfel, low.x, low.y + 1.0) * (1.0 - f.x) + depth_texel(surfel, low.x + 1.0, low.y + 1.0) * f.x;
+    return top * (1.0 - f.y) + bottom * f.y;
+}
+
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
+fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    let distance = vector_length(d);
+    // Nothing fits between a surfel's centre and a point this close.
+    if distance < 0.02 * pose.radius {
+        return 1.0;
+    }
+    let local = sampling_to_local(d / distance, pose.normal);
+    let clamped = vec3<f32>(local.xy, max(local.z, 0.0));
+    return lookup_chebyshev(depth_moments(surfel, clamped), distance / (2.0 * pose.radius));
+}

@@ -1,0 +1,49 @@
+// Weights of a surfel at a point, and the moments of its depth function (GIBS, "Light Apply", "Radial Gaussian Depth").
+import package::surface::surface_unorm16;
+import package::types::SurfelPose;
+import package::vector::vector_dot;
+
+/// Texels along each side of a depth function.
+const LOOKUP_DEPTH_SIDE: u32 = 4u;
+/// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
+const LOOKUP_SQUASH: f32 = 2.0;
+/// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
+const LOOKUP_LEAST_VARIANCE: f32 = 1e-4;
+/// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
+const LOOKUP_CHEBYSHEV_FLOOR: f32 = 0.25;
+
+/// The first and second moment in a texel.
+fn lookup_moments(texel: u32) -> vec2<f32> {
+    return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u)) / 65535.0;
+}
+
+/// Moments in a texel, each in `[0, 1]`.
+fn lookup_pack_moments(m: vec2<f32>) -> u32 {
+    return surface_unorm16(m.x) | (surface_unorm16(m.y) << 16u);
+}
+
+/// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
+/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006).
+fn lookup_chebyshev(m: vec2<f32>, t: f32) -> f32 {
+    if t <= m.x {
+        return 1.0;
+    }
+    let variance = max(m.y - m.x * m.x, LOOKUP_LEAST_VARIANCE);
+    let d = t - m.x;
+    let bound = variance / (variance + d * d);
+    return max((bound - LOOKUP_CHEBYSHEV_FLOOR) / (1.0 - LOOKUP_CHEBYSHEV_FLOOR), 0.0);
+}
+
+/// Distance factor: 1 at the centre, 0 at the radius, smooth at both.
+fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
+    let h = vector_dot(d, pose.normal);
+    let squared = (vector_dot(d, d) + (LOOKUP_SQUASH * LOOKUP_SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
+    let k = max(1.0 - squared, 0.0);
+    return k * k;
+}
+
+/// Normal factor of a surfel for a point.
+fn lookup_alignment(normal: vec3<f32>, pose: SurfelPose) -> f32 {
+    let c = max(vector_dot(normal, pose.normal), 0.0);
+    return c * c;
+}

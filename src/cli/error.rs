@@ -1,0 +1,89 @@
+//! What a command can fail with.
+use crate::RenderError;
+use crate::backends::UnknownBackend;
+use crate::cli::compare::CompareCommandError;
+use crate::gltf_import::ImportError;
+use crate::picture::{PictureError, WriteError};
+use crate::view::ViewError;
+use gibs_graph::BackendError;
+use gibs_passes::frame::SettingError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a command did not succeed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CommandError {
+    /// Comparing.
+    #[error(transparent)]
+    Compare(#[from] CompareCommandError),
+    /// Reading a scene.
+    #[error(transparent)]
+    Scene(#[from] ImportError),
+    /// Reading a view.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// A picture file.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Writing a file.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Rendering.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A backend.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// A backend's name.
+    #[error(transparent)]
+    Name(#[from] UnknownBackend),
+    /// A setting.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// A settings file.
+    #[error("the settings file {} is not valid: {message}", path.display())]
+    SettingsFile {
+        /// File.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// An option's value.
+    #[error("{option} cannot be `{value}`: {want}")]
+    Value {
+        /// Option.
+        option: &'static str,
+        /// Value given.
+        value: String,
+        /// What it takes.
+        want: String,
+    },
+    /// Neither a file nor a built-in scene.
+    #[error("there is no scene `{name}`: give the path of a .gltf or .glb file, or one of {names}")]
+    NoScene {
+        /// What was given.
+        name: String,
+        /// Built-in scenes.
+        names: String,
+    },
+    /// Output that is not a number.
+    #[error("{count} of {pixels} pixels of the picture are not finite; please report this with the command line")]
+    NonFinite {
+        /// Pixels.
+        count: usize,
+        /// All pixels.
+        pixels: usize,
+    },
+}
+
+impl CommandError {
+    /// 1 where a check failed, 2 for bad usage or bad input.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Compare(error) => error.exit_code(),
+            Self::NonFinite { .. } => 1,
+            _ => 2,
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The program's commands.
+pub mod compare;
+mod devices;
+mod error;
+mod graph;
+mod reference;
+mod render;
+mod scene;
+mod settings;
+
+pub use error::CommandError;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Real-time global illumination with surfels on wgpu, Vulkan and the CPU
+#[derive(Debug, Parser)]
+#[command(name = "gibs", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<render::Args>),
+    Reference(Box<reference::Args>),
+    Compare(Box<compare::Args>),
+    Graph(Box<graph::Args>),
+    Settings(settings::Args),
+    Devices(devices::Args),
+}
+
+/// Runs the program: 0 done, 1 a check failed, 2 bad usage or bad input.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to standard output and are no failure.
+            let _ = error.print();
+            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        }
+    };
+    let done = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Reference(args) => reference::run(&args),
+        Command::Compare(args) => compare::run(*args).map_err(CommandError::from),
+        Command::Graph(args) => graph::run(&args),
+        Command::Settings(args) => settings::run(&args),
+        Command::Devices(args) => devices::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Options that several commands share: the scene, the view, the settings.
+use super::CommandError;
+use crate::view::View;
+use crate::{builtin, gltf_import};
+use gibs_passes::frame::Settings;
+use gibs_passes::scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// The scene and how it is seen.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SceneArgs {
+    /// A .gltf or .glb file, or a built-in scene
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Camera, sun, sky and animation [default: the scene's own]
+    #[arg(long, value_name = "V.json")]
+    pub view: Option<PathBuf>,
+    /// Size of the picture [default: the view's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    parsed.ok_or_else(|| "give width and height in pixels, such as 960x540".into())
+}
+
+/// A scene, how it is seen, and at what size.
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// Camera, light and pose.
+    pub view: View,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+}
+
+impl SceneArgs {
+    /// Loads what was asked for; warnings go to standard error.
+    pub fn load(&self) -> Result<Loaded, CommandError> {
+        let (scene, own_view) = match builtin::by_name(&self.scene) {
+            Some((scene, view)) => (scene, Some(view)),
+            None => {
+                let path = Path::new(&self.scene);
+                let is_scene = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"));
+                if !is_scene && !path.exists() {
+                    let names: Vec<_> = builtin::names().iter().map(|(name, _)| *name).collect();
+                    return Err(CommandError::NoScene { name: self.scene.clone(), names: names.join(", ") });
+                }
+                let imported = gltf_import::load(path)?;
+                for warning in &imported.warnings {
+                    eprintln!("warning: {warning}");
+                }
+                (imported.scene, None)
+            }
+        };
+        let view = match (&self.view, own_view) {
+            (Some(path), _) => View::load(path)?,
+            (None, Some(view)) => view,
+            (None, None) => View::framing(&scene),
+        };
+        for warning in &view.warnings {
+            eprintln!("warning: {warning}");
+        }
+        let size = self.size.unwrap_or(view.resolution);
+        Ok(Loaded { scene, view, size })
+    }
+}
+
+/// Settings of the surfel frame.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SettingsArgs {
+    /// Ray budget of a frame [default: 100000]
+    #[arg(long, value_name = "N")]
+    pub rays: Option<u32>,
+    /// Switch elements of the technique off
+    #[arg(long, value_name = "ELEMENT,..", value_delimiter = ',')]
+    pub without: Vec<String>,
+    /// Change a setting; `gibs settings` lists them
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Settings file (TOML) with the same keys
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+}
+
+/// Elements that `--without` switches off, and what that sets.
+const ELEMENTS: &[(&str, &str, &str)] =
+    &[("depth", "depth", "off"), ("clamp", "clamp", "off"), ("continuation", "continuations", "0")];
+
+impl SettingsArgs {
+    /// The settings: defaults, then the file, then `--rays`, `--without` and `--set`.
+    pub fn load(&self) -> Result<Settings, CommandError> {
+        let mut settings = match &self.settings {
+            None => Settings::default(),
+            Some(path) => {
+                let wrong = |message: String| CommandError::SettingsFile { path: path.clone(), message };
+                let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+                let settings: Settings = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+                settings.check().map_err(|e| wrong(e.to_string()))?;
+                settings
+            }
+        };
+        if let Some(rays) = self.rays {
+            settings.set("rays", &rays.to_string())?;
+        }
+        for element in &self.without {
+            let Some((_, key, value)) = ELEMENTS.iter().find(|(name, ..)| name == element) else {
+                let names: Vec<_> = ELEMENTS.iter().map(|(name, ..)| *name).collect();
+                let want = format!("the elements are {}", names.join(", "));
+                return Err(CommandError::Value { option: "--without", value: element.clone(), want });
+            };
+            settings.set(key, value)?;
+        }
+        for pair in &self.set {
+            let Some((key, value)) = pair.split_once('=') else {
+                let want = "give KEY=VALUE, such as radius=6".into();
+                return Err(CommandError::Value { option: "--set", value: pair.clone(), want });
+            };
+            settings.set(key.trim(), value.trim())?;
+        }
+        Ok(settings)
+    }
+}

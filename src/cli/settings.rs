@@ -1,0 +1,25 @@
+//! `gibs settings`: every setting.
+use super::CommandError;
+use gibs_passes::frame::Settings;
+
+/// List every setting with its unit, default and range
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), CommandError> {
+    let all = Settings::all();
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+        return Ok(());
+    }
+    for s in all {
+        let range = format!("{} .. {}", s.least, s.most);
+        println!("{:<14} {:>9} {:<12} {:<18} {}", s.name, s.default, s.unit, range, s.about);
+    }
+    Ok(())
+}

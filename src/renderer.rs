@@ -1,0 +1,237 @@
+//! Rendering a scene with the surfel frame.
+use crate::picture::{Picture, PictureError};
+use crate::view::View;
+use gibs_graph::{Backend, BackendError, Executable, Graph, GraphErrors, Schedule};
+use gibs_passes::accel::BuildError;
+use gibs_passes::data::{SurfacePoint, SurfelCounters};
+use gibs_passes::device::DeviceScene;
+use gibs_passes::frame::{
+    FrameUpdate, SceneSizes, Settings, SurfelFrame, surfel_frame, upload_frame, upload_scene,
+};
+use gibs_passes::scene::Scene;
+use gibs_passes::shared::{octahedral, surface};
+use glam::{DVec3, Vec3, Vec4};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a picture could not be rendered.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The scene has no usable geometry.
+    #[error("the scene `{scene}` cannot be traced: {source}")]
+    Scene {
+        /// Scene.
+        scene: String,
+        /// Why not.
+        source: BuildError,
+    },
+    /// The frame's graph is wrong.
+    #[error(transparent)]
+    Graph(#[from] GraphErrors),
+    /// The backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// A picture is too small or too large.
+    #[error("the picture cannot be {width}x{height}: each side takes 1 to {most} pixels")]
+    Size {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Largest side.
+        most: u32,
+    },
+    /// A picture could not be made of the channels.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// Longest side of a picture, pixels.
+pub const MOST_PIXELS: u32 = 8192;
+
+/// Renders one scene on one backend, frame by frame.
+pub struct Renderer {
+    exec: Box<dyn Executable>,
+    scene: DeviceScene,
+    view: View,
+    settings: Settings,
+    size: [u32; 2],
+    seed: u32,
+    frame: u32,
+}
+
+/// A backend's shader compiler check, where this build has one.
+pub(crate) fn compile(g: Graph) -> Result<Schedule, GraphErrors> {
+    #[cfg(any(feature = "wgpu", feature = "vulkan"))]
+    return g.compile(Some(&gibs_shaders::Compiler::new()));
+    #[cfg(not(any(feature = "wgpu", feature = "vulkan")))]
+    g.compile(None)
+}
+
+/// Prepares a scene as `view` sees it; the floating origin is at the eye.
+///
+/// # Errors
+/// [`RenderError::Scene`].
+pub fn device_scene(scene: &Scene, view: &View) -> Result<DeviceScene, RenderError> {
+    let pose = scene.pose(&view.animation);
+    // On a lattice, so that the origin does not depend on tiny changes of the camera.
+    let origin = (view.camera.position / 16.0).round() * 16.0;
+    DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment)
+        .map_err(|source| RenderError::Scene { scene: scene.name.clone(), source })
+}
+
+pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
+    let [width, height] = size;
+    if size.iter().all(|&side| (1..=MOST_PIXELS).contains(&side)) {
+        Ok(())
+    } else {
+        Err(RenderError::Size { width, height, most: MOST_PIXELS })
+    }
+}
+
+/// The surfel frame of a scene, compiled.
+///
+/// # Errors
+/// [`RenderError::Graph`].
+pub fn schedule(scene: &DeviceScene, size: [u32; 2], settings: &Settings) -> Result<Schedule, RenderError> {
+    let mut g = Graph::new("surfels");
+    surfel_frame(&mut g, &SurfelFrame { size, settings: settings.clone() }, &SceneSizes::of(scene));
+    Ok(compile(g)?)
+}
+
+impl Renderer {
+    /// Prepares the frame for a scene in a view.
+    ///
+    /// # Errors
+    /// Anything in the way; see [`RenderError`].
+    pub fn new(
+        backend: &dyn Backend,
+        scene: &Scene,
+        view: &View,
+        size: [u32; 2],
+        settings: &Settings,
+        seed: u32,
+    ) -> Result<Self, RenderError> {
+        check_size(size)?;
+        let scene = device_scene(scene, view)?;
+        let schedule = schedule(&scene, size, settings)?;
+        let mut exec = backend.prepare(Arc::new(schedule), None)?;
+        upload_scene(exec.as_mut(), &scene)?;
+        Ok(Self { exec, scene, view: view.clone(), settings: settings.clone(), size, seed, frame: 0 })
+    }
+
+    /// Renders the next frame.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn frame(&mut self) -> Result<(), RenderError> {
+        let update =
+            FrameUpdate { camera: &self.view.camera, size: self.size, number: self.frame, seed: self.seed };
+        upload_frame(self.exec.as_mut(), &self.scene, &self.settings, &update)?;
+        self.exec.run()?;
+        self.frame = self.frame.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Waits for all frames.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn wait(&mut self) -> Result<(), RenderError> {
+        Ok(self.exec.wait()?)
+    }
+
+    /// The executable, for profiling and checks.
+    pub fn executable(&mut self) -> &mut dyn Executable {
+        self.exec.as_mut()
+    }
+
+    /// What the scene lost on the way to the device.
+    pub fn warnings(&self) -> &[String] {
+        &self.scene.warnings
+    }
+
+    /// Counters of the surfels after the last frame, and list entries that did not fit the grid.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn counters(&mut self) -> Result<SurfelCounters, RenderError> {
+        let mut counters: SurfelCounters = self.output("counters")?.first().copied().unwrap_or_default();
+        counters.overflow = self.output::<u32>("overflow")?.first().copied().unwrap_or_default();
+        Ok(counters)
+    }
+
+    /// The picture after the last frame: the final image in `R G B`, and the channels of a truth.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn picture(&mut self) -> Result<Picture, RenderError> {
+        let points: Vec<SurfacePoint> = self.output("points")?;
+        let direct: Vec<Vec4> = self.output("direct")?;
+        let irradiance: Vec<Vec4> = self.output("irradiance")?;
+        let color: Vec<Vec4> = self.output("color")?;
+        let mut picture = surface_channels(&points, self.size, &self.view, self.scene.origin)?;
+        set(&mut picture, "", color.iter().map(|c| c.truncate()))?;
+        set(&mut picture, "E", irradiance.iter().map(|e| e.truncate()))?;
+        set(&mut picture, "direct", direct.iter().map(|d| d.truncate()))?;
+        let albedos = points.iter().map(surface::albedo);
+        let indirect = irradiance.iter().zip(albedos).map(|(e, a)| a * e.truncate() * std::f32::consts::FRAC_1_PI);
+        set(&mut picture, "indirect", indirect)?;
+        picture.set_scalar("coverage.A", irradiance.iter().map(|e| e.w).collect())?;
+        Ok(picture)
+    }
+
+    fn output<T: bytemuck::Pod>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
+        read_output(self.exec.as_mut(), name)
+    }
+}
+
+/// The elements of an output of a schedule.
+pub(crate) fn read_output<T: bytemuck::Pod>(exec: &mut dyn Executable, name: &str) -> Result<Vec<T>, RenderError> {
+    let Some(resource) = exec.schedule().output(name) else { return Ok(Vec::new()) };
+    let bytes = exec.read(resource)?;
+    Ok(bytemuck::pod_collect_to_vec(&bytes))
+}
+
+pub(crate) fn set(picture: &mut Picture, layer: &str, values: impl Iterator<Item = Vec3>) -> Result<(), PictureError> {
+    let mut planes = [const { Vec::new() }; 3];
+    for v in values {
+        for (plane, x) in planes.iter_mut().zip(v.to_array()) {
+            plane.push(x);
+        }
+    }
+    picture.set_rgb(layer, planes)
+}
+
+/// The channels of a truth that do not depend on light.
+pub(crate) fn surface_channels(
+    points: &[SurfacePoint],
+    [width, height]: [u32; 2],
+    view: &View,
+    origin: DVec3,
+) -> Result<Picture, PictureError> {
+    let mut picture = Picture::new(width, height);
+    let seen = |p: &SurfacePoint| surface::is_surface(p);
+    let eye = (view.camera.position - origin).as_vec3();
+    let forward = view.camera.axes()[2].as_vec3();
+    let world = |p: &SurfacePoint| if seen(p) { (p.position.as_dvec3() + origin).as_vec3() } else { Vec3::ZERO };
+    let normal = |p: &SurfacePoint| if seen(p) { octahedral::unpack(p.shading_normal) } else { Vec3::ZERO };
+    let depth = |p: &SurfacePoint| if seen(p) { (p.position - eye).dot(forward) } else { 0.0 };
+    set(&mut picture, "albedo", points.iter().map(surface::albedo))?;
+    set(&mut picture, "emission", points.iter().map(|p| p.emission))?;
+    let xyz = |f: &dyn Fn(&SurfacePoint) -> Vec3| {
+        let mut planes = [const { Vec::new() }; 3];
+        for p in points {
+            for (plane, x) in planes.iter_mut().zip(f(p).to_array()) {
+                plane.push(x);
+            }
+        }
+        planes
+    };
+    picture.set_xyz("normal", xyz(&normal))?;
+    picture.set_xyz("position", xyz(&world))?;
+    picture.set_scalar("depth.Z", points.iter().map(depth).collect())?;
+    picture.set_scalar("mask.A", points.iter().map(|p| f32::from(u8::from(seen(p)))).collect())?;
+    Ok(picture)
+}
