@@ -84,7 +84,7 @@ element! {
         side: u32,
         /// Slices per half-axis.
         slices: u32,
-        /// Ratio of the distances of successive slices; `1 + 2 / side` makes cells about as thick as wide.
+        /// Ratio of the distances of successive slices.
         growth: f32,
         /// `1 / log2(growth)`.
         per_octave: f32,

@@ -40,7 +40,7 @@ fn main(
     }
     let indirect = complete(gathered[i]);
     let all = indirect + direct[i].xyz;
-    let radiance = point.emission + surface_albedo(point) * all * FRAC_1_PI;
+    let radiance = point.emission + surface_albedo(point) * FRAC_1_PI * all;
     irradiance[i] = vec4<f32>(indirect, gathered[i].weight);
     color[i] = vec4<f32>(radiance, 1.0);
 }

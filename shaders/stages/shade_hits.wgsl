@@ -43,7 +43,7 @@ fn main(
             paths[i].seed = seed;
         }
         let arriving = direct[i].xyz + gathered[i].irradiance;
-        added = point.emission + albedo * arriving * FRAC_1_PI;
+        added = point.emission + albedo * FRAC_1_PI * arriving;
     } else {
         added = environment_radiance(frame.environment_side, rays[i].direction);
     }

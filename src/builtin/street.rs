@@ -104,7 +104,7 @@ fn houses(a: &mut Assembly) {
             let seed = if side > 0.0 { 7 } else { 11 };
             let random = |what: i32| chance(house, what, seed);
             let storeys = 3 + (random(0) * 3.0) as i32;
-            let height = 0.9 + STOREY * storeys as f32;
+            let height = 0.75 + 0.3 * random(7) + STOREY * storeys as f32;
             let set_back = random(1) * 0.4;
             let middle = -(house as f32 + 0.5) * HOUSE_WIDTH + 4.0;
             // Maps (along the front, up, out of it) to the street.
@@ -116,14 +116,14 @@ fn houses(a: &mut Assembly) {
                     f64::from(middle - side * along),
                 ]
             };
-            // Neighbours overlap by different depths, so that no two walls coincide.
+            // Neighbours overlap, and differ in depth and height, so that no two faces coincide.
             let half = HOUSE_WIDTH / 2.0 + 0.05 + random(2) * 0.1;
             let mut body = cuboid(
-                Vec3::new(-half, -0.3, -8.0 - random(3)),
+                Vec3::new(-half, -0.3 - 0.1 * random(8), -8.0 - random(3)),
                 Vec3::new(half, height, 0.0),
             );
             body.append(&bevelled(
-                Vec3::new(-half + 0.02, 0.0, -1.0),
+                Vec3::new(-half + 0.02, -0.05 - 0.1 * random(8), -1.0),
                 Vec3::new(half - 0.02, 0.6 + random(4) * 0.2, 0.06),
                 0.02,
             ));
@@ -173,27 +173,28 @@ fn window_frame() -> Shape {
         [0.05, 0.09],
         [-0.06, 0.09],
     ];
+    // Parts are sunk into the wall by different depths, so that no two faces coincide.
     let mut shape = sweep(&outline, &reversed, Path::Mitred);
     shape.append(&bevelled(
-        Vec3::new(-0.75, -0.2, -0.05),
+        Vec3::new(-0.75, -0.2, -0.045),
         Vec3::new(0.75, -0.11, 0.2),
         0.015,
     ));
     shape.append(&bevelled(
-        Vec3::new(-0.02, -0.02, -0.05),
+        Vec3::new(-0.02, -0.02, -0.03),
         Vec3::new(0.02, 1.72, 0.05),
         0.005,
     ));
     shape.append(&bevelled(
-        Vec3::new(-0.5, 1.1, -0.05),
-        Vec3::new(0.5, 1.14, 0.045),
+        Vec3::new(-0.49, 1.1, -0.035),
+        Vec3::new(0.49, 1.14, 0.045),
         0.005,
     ));
     shape
 }
 
 fn window_pane() -> Shape {
-    cuboid(Vec3::new(-0.5, 0.02, -0.05), Vec3::new(0.5, 1.68, 0.02))
+    cuboid(Vec3::new(-0.5, 0.02, -0.04), Vec3::new(0.5, 1.68, 0.02))
 }
 
 fn door_frame() -> Shape {

@@ -11,11 +11,15 @@ pub const MAX_OVERLAP: usize = 27;
 /// along each axis, also where cells of different grids meet.
 pub const RADIUS_SHARE: f32 = 0.75;
 
+/// Thickness of a slice over the width of its cells: surfels lie on surfaces, most of which are seen at an angle, so
+/// that thicker cells list hardly more of them, and fewer slices reach as far.
+pub const THICKNESS: f32 = 1.5;
+
 impl GridShape {
     /// A grid around `centre`: the cube reaches `half` metres, with `side` cells along each axis, and `slices` slices
     /// along each half-axis. The last slice has no end.
     pub fn new(centre: Vec3, half: f32, side: u32, slices: u32) -> Self {
-        let growth = 1.0 + 2.0 / side as f32;
+        let growth = 1.0 + THICKNESS * 2.0 / side as f32;
         Self { centre, half, side, slices, growth, per_octave: 1.0 / growth.log2() }
     }
 

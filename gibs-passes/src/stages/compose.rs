@@ -44,7 +44,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         let indirect = complete(&p.gathered[i]);
         let all = indirect + p.direct[i].truncate();
-        let color = point.emission + surface::albedo(point) * all * FRAC_1_PI;
+        let color = point.emission + surface::albedo(point) * FRAC_1_PI * all;
         p.irradiance.set(i, indirect.extend(p.gathered[i].weight));
         p.color.set(i, color.extend(1.0));
     }

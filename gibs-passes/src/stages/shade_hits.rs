@@ -45,7 +45,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 p.paths.set(i, Path { throughput: path.throughput * albedo / largest, seed, ..path });
             }
             let arriving = p.direct[i].truncate() + gathered.irradiance;
-            point.emission + albedo * arriving * FRAC_1_PI
+            point.emission + albedo * FRAC_1_PI * arriving
         } else {
             environment::radiance(&p.environment, p.frame.environment_side, p.rays[i].direction)
         };

@@ -22,13 +22,20 @@ fn underside(inwards: f32) -> f32 {
 }
 
 pub(super) fn roof(a: &mut Assembly, palette: &Palette) {
-    let profile = [
-        [EDGE, underside(EDGE)],
-        [EAVES, underside(EAVES)],
-        [EAVES, underside(EAVES) + THICKNESS],
-        [EDGE, underside(EDGE) + THICKNESS],
-    ];
-    a.draw("roof", palette.wood, &ring(HALF, &profile));
+    let layer = |eaves: f32, edge: f32, low: f32, high: f32| {
+        let at = |inwards: f32, y: f32| [inwards, underside(inwards) + y];
+        let profile = [
+            at(edge, low),
+            at(eaves, low),
+            at(eaves, high),
+            at(edge, high),
+        ];
+        ring(HALF, &profile)
+    };
+    let boards = layer(EAVES, EDGE, 0.0, THICKNESS - 0.02);
+    a.draw("roof boards", palette.wood, &boards);
+    let bed = layer(EAVES - 0.01, EDGE + 0.01, THICKNESS - 0.025, THICKNESS);
+    a.draw("roof", palette.roof_tiles, &bed);
     tiles(a, palette);
     rafters(a, palette);
 }
