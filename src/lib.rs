@@ -9,6 +9,7 @@ pub mod cli;
 pub mod compare;
 pub mod gltf_import;
 pub mod picture;
+pub mod reference;
 pub mod renderer;
 pub mod view;
 

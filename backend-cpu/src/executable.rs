@@ -1,9 +1,10 @@
 //! Running the steps of a schedule.
 use crate::Options;
 use crate::memory::Allocation;
+use crate::order::shuffled;
 use gibs_graph::{
-    Access, Action, BackendError, DispatchArgs, DispatchSize, DispatchStep, Executable, RawView, ResourceId, Schedule,
-    StepTime, Workgroup, WriteMap, check_range,
+    Access, Action, BackendError, DispatchArgs, DispatchSize, DispatchStep, Executable, MAX_GROUPS,
+    RawView, ResourceId, Schedule, StepTime, Workgroup, WriteMap, check_range,
 };
 use rayon::prelude::*;
 use std::any::Any;
@@ -15,8 +16,13 @@ pub(crate) struct CpuExecutable {
     pool: Arc<rayon::ThreadPool>,
     options: Options,
     allocations: Vec<Allocation>,
+    /// Room for the views of one step; empty between steps.
+    views: Vec<RawView<'static>>,
     measure: bool,
+    /// Of the last measured frame that finished.
     times: Option<Vec<StepTime>>,
+    /// Room for the times of the frame under way.
+    next_times: Vec<StepTime>,
 }
 
 impl CpuExecutable {
@@ -26,58 +32,95 @@ impl CpuExecutable {
         options: Options,
         old: Option<CpuExecutable>,
     ) -> Result<Self, BackendError> {
-        let mut allocations =
-            schedule.resources.iter().map(Allocation::new).collect::<Result<Vec<_>, BackendError>>()?;
+        let mut adopted: Vec<Option<Allocation>> =
+            schedule.resources.iter().map(|_| None).collect();
         if let Some(mut old) = old {
+            let mut kept: Vec<_> = old.allocations.drain(..).map(Some).collect();
             for (from, to) in schedule.adoptions(&old.schedule) {
-                std::mem::swap(&mut allocations[to as usize], &mut old.allocations[from as usize]);
+                adopted[to as usize] = kept[from as usize].take();
             }
         }
-        Ok(Self { schedule, pool, options, allocations, measure: false, times: None })
+        let allocations = schedule
+            .resources
+            .iter()
+            .zip(adopted)
+            .map(|(resource, kept)| kept.map_or_else(|| Allocation::new(resource), Ok))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            schedule,
+            pool,
+            options,
+            allocations,
+            views: Vec::new(),
+            measure: false,
+            times: None,
+            next_times: Vec::new(),
+        })
     }
 
-    fn rotate(&mut self) {
+    /// Runs the steps of a frame, on a thread of the pool.
+    fn frame(&mut self) -> Result<(), BackendError> {
         for allocation in &mut self.allocations {
             allocation.rotate();
         }
+        self.next_times.clear();
+        for step in 0..self.schedule.steps.len() {
+            let start = self.measure.then(Instant::now);
+            self.step(step)?;
+            if let Some(start) = start {
+                let time = start.elapsed();
+                self.next_times.push(StepTime { step, time });
+            }
+        }
+        if self.measure {
+            std::mem::swap(self.times.get_or_insert_default(), &mut self.next_times);
+        }
+        Ok(())
     }
 
+    /// Runs one step, on a thread of the pool.
     fn step(&mut self, index: usize) -> Result<(), BackendError> {
         let schedule = Arc::clone(&self.schedule);
         let step = &schedule.steps[index];
         match &step.action {
             Action::Clear(resource) => {
                 let memory = self.allocations[*resource as usize].current.bytes_mut();
-                self.pool.install(|| memory.par_chunks_mut(1 << 20).for_each(|chunk| chunk.fill(0)));
+                memory.par_chunks_mut(1 << 20).for_each(|chunk| chunk.fill(0));
                 Ok(())
             }
             Action::Dispatch(dispatch) => self.dispatch(&step.label, dispatch),
         }
     }
 
-    fn groups(&self, size: DispatchSize) -> [u32; 3] {
-        match size {
+    /// Number of workgroups along each axis, and in all.
+    fn groups(&self, label: &str, size: DispatchSize) -> Result<([u32; 3], u32), BackendError> {
+        let groups = match size {
             DispatchSize::Groups(groups) => groups,
             DispatchSize::Indirect(resource) => {
                 let bytes = self.allocations[resource as usize].current.bytes();
-                let args: DispatchArgs = gibs_graph::bytemuck::pod_read_unaligned(&bytes[..size_of::<DispatchArgs>()]);
+                let args: DispatchArgs =
+                    gibs_graph::bytemuck::pod_read_unaligned(&bytes[..size_of::<DispatchArgs>()]);
                 [args.x, args.y, args.z]
             }
+        };
+        let total = groups.iter().try_fold(1, |total: u32, &n| total.checked_mul(n));
+        match total {
+            _ if groups.contains(&0) => Ok((groups, 0)),
+            Some(total) if groups.iter().all(|&n| n <= MAX_GROUPS) => Ok((groups, total)),
+            _ => Err(BackendError::Kernel {
+                stage: label.into(),
+                message: format!(
+                    "{groups:?} workgroups were asked for; at most {MAX_GROUPS} along each axis and 2^32 - 1 in all \
+                     run everywhere; fold them in the stage that counts them"
+                ),
+            }),
         }
     }
 
     fn dispatch(&mut self, label: &str, dispatch: &DispatchStep) -> Result<(), BackendError> {
-        let count = self.groups(dispatch.size);
-        let total = count.iter().map(|&n| u64::from(n)).product::<u64>();
-        let mut maps = Vec::new();
-        if self.options.checked {
-            for binding in &dispatch.bindings {
-                let memory = self.allocations[binding.resource as usize].current.bytes();
-                let checks = matches!(binding.access, Access::Write | Access::ReadWrite);
-                maps.push(checks.then(|| WriteMap::new(memory.as_ptr().addr(), memory.len())));
-            }
-        }
-        let mut views = Vec::with_capacity(dispatch.bindings.len());
+        let (count, total) = self.groups(label, dispatch.size)?;
+        let maps = self.maps(dispatch);
+        let mut views = emptied(std::mem::take(&mut self.views));
         for (i, binding) in dispatch.bindings.iter().enumerate() {
             let allocation = &mut self.allocations[binding.resource as usize];
             let memory = match (binding.access, &mut allocation.previous) {
@@ -88,7 +131,11 @@ impl CpuExecutable {
             // touched otherwise until the kernels below have returned, and was borrowed mutably here; a resource is
             // bound twice only where no port writes it.
             views.push(unsafe {
-                RawView::new(memory.as_mut_ptr(), memory.len(), maps.get(i).and_then(Option::as_ref))
+                RawView::new(
+                    memory.as_mut_ptr(),
+                    memory.len(),
+                    maps.get(i).and_then(Option::as_ref),
+                )
             });
         }
         let kernel = match dispatch.kernel.cpu_wide {
@@ -97,11 +144,9 @@ impl CpuExecutable {
         };
         let size = dispatch.kernel.workgroup;
         let shuffle = self.options.checked;
-        let run = |i: u64| {
+        let run = |i: u32| {
             let i = if shuffle { shuffled(i, total) } else { i };
-            let row = u64::from(count[0]);
-            let plane = row * u64::from(count[1]);
-            let id = [(i % row) as u32, (i % plane / row) as u32, (i / plane) as u32];
+            let id = [i % count[0], i / count[0] % count[1], i / count[0] / count[1]];
             kernel(&views, Workgroup { id, count, size });
         };
         match total {
@@ -110,9 +155,10 @@ impl CpuExecutable {
             _ => {
                 // Enough pieces to balance, few enough that a piece is worth a thread's while.
                 let least = (total as usize / (self.pool.current_num_threads() * 16)).max(1);
-                self.pool.install(|| (0..total as usize).into_par_iter().with_min_len(least).for_each(|i| run(i as u64)));
+                (0..total).into_par_iter().with_min_len(least).for_each(run);
             }
         }
+        self.views = emptied(views);
         for (map, binding) in maps.iter().zip(&dispatch.bindings) {
             if let Some(offset) = map.as_ref().and_then(WriteMap::conflict) {
                 return Err(BackendError::WriteConflict {
@@ -124,12 +170,27 @@ impl CpuExecutable {
         }
         Ok(())
     }
+
+    /// When checking, a map per binding that is written without atomics; otherwise nothing.
+    fn maps(&self, dispatch: &DispatchStep) -> Vec<Option<WriteMap>> {
+        if !self.options.checked {
+            return Vec::new();
+        }
+        let bindings = dispatch.bindings.iter();
+        bindings
+            .map(|binding| {
+                let memory = self.allocations[binding.resource as usize].current.bytes();
+                matches!(binding.access, Access::Write | Access::ReadWrite)
+                    .then(|| WriteMap::new(memory.as_ptr().addr(), memory.len()))
+            })
+            .collect()
+    }
 }
 
-/// A permutation of `0..total`: steps of a stride that shares no factor with `total`.
-fn shuffled(i: u64, total: u64) -> u64 {
-    const STRIDE: u64 = 2_654_435_761; // prime, so coprime to anything that is not a multiple of it
-    ((u128::from(i) * u128::from(STRIDE) + u128::from(total / 2)) % u128::from(total)) as u64
+/// The vector without its views, for views of another lifetime. Collecting reuses the allocation, so that a frame
+/// makes none.
+fn emptied<'a>(views: Vec<RawView<'_>>) -> Vec<RawView<'a>> {
+    views.into_iter().filter_map(|_| None).collect()
 }
 
 impl Executable for CpuExecutable {
@@ -137,31 +198,35 @@ impl Executable for CpuExecutable {
         &self.schedule
     }
 
-    fn upload(&mut self, resource: ResourceId, offset: u64, bytes: &[u8]) -> Result<(), BackendError> {
+    fn upload(
+        &mut self,
+        resource: ResourceId,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
         let memory = self.allocations[resource as usize].current.bytes_mut();
         memory[offset as usize..offset as usize + bytes.len()].copy_from_slice(bytes);
         Ok(())
     }
 
+    /// Enters the pool once: what is parallel within the frame then starts from one of its threads, which costs less
+    /// than entering per step.
     fn run(&mut self) -> Result<(), BackendError> {
-        self.rotate();
-        let mut times = self.measure.then(|| Vec::with_capacity(self.schedule.steps.len()));
-        for step in 0..self.schedule.steps.len() {
-            let start = Instant::now();
-            self.step(step)?;
-            if let Some(times) = &mut times {
-                times.push(StepTime { step, time: start.elapsed() });
-            }
-        }
-        if times.is_some() {
-            self.times = times;
-        }
-        Ok(())
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| self.frame())
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
-        self.step(step)
+        let steps = self.schedule.steps.len();
+        if step >= steps {
+            return Err(BackendError::Kernel {
+                stage: self.schedule.name.clone(),
+                message: format!("there is no step {step}; the schedule has {steps}"),
+            });
+        }
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| self.step(step))
     }
 
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {

@@ -3,8 +3,10 @@
 //! The scalar kernels are the oracle that devices are compared with; where a stage has a wide kernel with the same
 //! result, that one runs unless [`Options::scalar`] asks for the oracle.
 #![deny(clippy::undocumented_unsafe_blocks)]
+#![warn(missing_docs)]
 mod executable;
 mod memory;
+mod order;
 
 use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
 use std::any::Any;

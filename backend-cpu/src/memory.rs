@@ -1,5 +1,5 @@
 //! Memory of resources: aligned to cache lines, zeroed.
-use gibs_graph::{BackendError, Kind, Resource};
+use gibs_graph::{BackendError, Initial, Kind, Resource};
 
 /// A cache line, the strictest alignment that elements have.
 #[repr(C, align(64))]
@@ -58,8 +58,13 @@ impl Allocation {
     pub fn reset(&mut self, kind: &Kind) {
         if let Kind::State(initial) | Kind::History(initial) = kind {
             for memory in std::iter::once(&mut self.current).chain(&mut self.previous) {
-                let bytes = initial.bytes(memory.bytes);
-                memory.bytes_mut().copy_from_slice(&bytes);
+                match initial {
+                    Initial::Zero => memory.bytes_mut().fill(0),
+                    _ => {
+                        let bytes = initial.bytes(memory.bytes);
+                        memory.bytes_mut().copy_from_slice(&bytes);
+                    }
+                }
             }
         }
     }

@@ -14,7 +14,7 @@ pub enum GraphError {
         /// Port.
         port: String,
     },
-    /// A transient is read before any stage wrote it.
+    /// A transient or the new value of a history is read, kept or an output before any stage wrote it.
     #[error("stage `{stage}`, port `{port}` reads `{resource}`, which no stage has written; write it first, or declare it zeroed")]
     Uninitialized {
         /// Stage.
@@ -74,6 +74,12 @@ pub enum GraphError {
         /// Key.
         key: String,
     },
+    /// Two outputs share a name.
+    #[error("two outputs are called `{name}`; give each its own name")]
+    DuplicateOutput {
+        /// Name.
+        name: String,
+    },
     /// Two stages share a label.
     #[error("two stages are called `{label}`; give each its own label")]
     DuplicateLabel {
@@ -81,7 +87,7 @@ pub enum GraphError {
         label: String,
     },
     /// An initial value does not fit the element.
-    #[error("state `{state}`: its initial value has {got} bytes, an element has {want}")]
+    #[error("state `{state}`: its initial value has {got} bytes, an element has {want}; make it with Initial::fill from one element")]
     InitialSize {
         /// State.
         state: String,
@@ -90,8 +96,8 @@ pub enum GraphError {
         /// Bytes of an element.
         want: u32,
     },
-    /// A fixed dispatch is beyond what WebGPU guarantees.
-    #[error("stage `{stage}` asks for {groups:?} workgroups; at most {max} along each axis", max = crate::MAX_GROUPS)]
+    /// A fixed dispatch is beyond what WebGPU guarantees, or its workgroups cannot be numbered in 32 bits.
+    #[error("stage `{stage}` asks for {groups:?} workgroups; at most {max} along each axis and 2^32 - 1 in all; use Dispatch::Elements, which folds them, or larger workgroups", max = crate::MAX_GROUPS)]
     DispatchSize {
         /// Stage.
         stage: String,
@@ -99,7 +105,7 @@ pub enum GraphError {
         groups: [u32; 3],
     },
     /// A uniform element has a size that WGSL does not allow.
-    #[error("stage `{stage}`, port `{port}`: `{element}` has {size} bytes; a uniform has a multiple of 16, at most 65536")]
+    #[error("stage `{stage}`, port `{port}`: `{element}` has {size} bytes; a uniform has a multiple of 16, at most 65536; pad the struct or bind it as read")]
     UniformSize {
         /// Stage.
         stage: String,
@@ -121,7 +127,7 @@ pub enum GraphError {
         message: String,
     },
     /// The stages depend on each other in a circle.
-    #[error("stage `{stage}` depends on itself through other stages")]
+    #[error("stage `{stage}` depends on itself through other stages; give one of them a resource of its own to write")]
     Cycle {
         /// One stage of the circle.
         stage: String,

@@ -1,28 +1,35 @@
 //! A schedule as DOT, JSON and text.
 use crate::schedule::{Action, DispatchSize};
 use crate::{Access, Schedule};
+use std::collections::HashMap;
 use std::fmt::Write;
 
 impl Schedule {
     /// Graphviz DOT: stages in clusters by group, edges named by resource.
     pub fn to_dot(&self) -> String {
-        let mut dot = format!("digraph \"{}\" {{\n  rankdir=TB;\n  node [shape=box, style=rounded];\n", self.name);
-        let mut groups: Vec<&str> = Vec::new();
-        for step in &self.steps {
-            if !groups.contains(&step.group()) {
-                groups.push(step.group());
+        let mut dot = format!(
+            "digraph {} {{\n  rankdir=TB;\n  node [shape=box, style=rounded];\n",
+            quoted(&self.name)
+        );
+        let mut groups: Vec<(&str, Vec<usize>)> = Vec::new();
+        let mut place = HashMap::new();
+        for (i, step) in self.steps.iter().enumerate() {
+            let n = *place.entry(step.group()).or_insert(groups.len());
+            if n == groups.len() {
+                groups.push((step.group(), Vec::new()));
             }
+            groups[n].1.push(i);
         }
-        for (n, group) in groups.iter().enumerate() {
-            let _ = writeln!(dot, "  subgraph cluster_{n} {{\n    label=\"{group}\";");
-            for (i, step) in self.steps.iter().enumerate().filter(|(_, s)| s.group() == *group) {
-                let _ = writeln!(dot, "    s{i} [label=\"{}\"];", step.label);
+        for (n, (group, steps)) in groups.iter().enumerate() {
+            let _ = writeln!(dot, "  subgraph cluster_{n} {{\n    label={};", quoted(group));
+            for &i in steps {
+                let _ = writeln!(dot, "    s{i} [label={}];", quoted(&self.steps[i].label));
             }
             dot.push_str("  }\n");
         }
         for &(from, to, resource) in &self.edges {
-            let key = &self.resources[resource as usize].key;
-            let _ = writeln!(dot, "  s{from} -> s{to} [label=\"{key}\"];");
+            let key = quoted(&self.resources[resource as usize].key);
+            let _ = writeln!(dot, "  s{from} -> s{to} [label={key}];");
         }
         dot.push_str("}\n");
         dot
@@ -74,4 +81,9 @@ impl Schedule {
         }
         text
     }
+}
+
+/// A DOT string. A backslash begins an escape there.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }

@@ -70,7 +70,7 @@ impl Initial {
     pub fn bytes(&self, bytes: usize) -> Vec<u8> {
         match self {
             Initial::Zero => vec![0; bytes],
-            Initial::Sequence => (0..bytes as u32 / 4).flat_map(u32::to_ne_bytes).collect(),
+            Initial::Sequence => (0..bytes / 4).flat_map(|i| (i as u32).to_ne_bytes()).collect(),
             Initial::Fill(element) => element.iter().copied().cycle().take(bytes).collect(),
         }
     }
@@ -230,6 +230,7 @@ impl Graph {
     }
 
     fn declare<T: Element>(&mut self, key: &str, kind: Kind, len: u64) -> Buffer<T> {
+        const { assert!(size_of::<T>() > 0, "an element of a buffer has bytes") };
         let resource = self.resources.len() as u32;
         self.resources.push(ResourceDecl {
             key: key.into(),
@@ -242,14 +243,16 @@ impl Graph {
     }
 }
 
-/// Workgroups for `count` invocations in groups of `lanes`. Kernels number groups row by row.
+/// Workgroups for `count` invocations in groups of `lanes`, folded into rows of [`MAX_GROUPS`] where one row is too
+/// short. Kernels number groups row by row. Of more than [`MAX_GROUPS`]² groups, the second axis is too long, and
+/// compiling the graph reports it.
 pub fn groups_for(count: u64, lanes: u32) -> [u32; 3] {
     let groups = count.div_ceil(u64::from(lanes.max(1)));
     if groups <= u64::from(MAX_GROUPS) {
         [groups as u32, 1, 1]
     } else {
         let rows = groups.div_ceil(u64::from(MAX_GROUPS));
-        [MAX_GROUPS, rows.min(u64::from(MAX_GROUPS)) as u32, 1]
+        [MAX_GROUPS, u32::try_from(rows).unwrap_or(u32::MAX), 1]
     }
 }
 

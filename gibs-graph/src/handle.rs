@@ -10,6 +10,125 @@ pub(crate) struct GraphToken(pub(crate) u64);
 ///
 /// Reading borrows the handle; writing consumes it and gives the next version. Handles are neither `Clone` nor
 /// `Copy`, so a stale read and a double write do not compile.
+///
+/// ```
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let once = g.add::<Add>("once", Inputs { term: &term, sum }, Dispatch::Elements(8)).sum;
+/// let twice = g.add::<Add>("twice", Inputs { term: &term, sum: once }, Dispatch::Elements(8)).sum;
+/// g.output("sum", &twice);
+/// # assert_eq!(g.compile(None).unwrap().steps.len(), 3);
+/// # }
+/// ```
+///
+/// A stale read, of a version that a stage has replaced:
+///
+/// ```compile_fail,E0382
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let once = g.add::<Add>("once", Inputs { term: &term, sum }, Dispatch::Elements(8)).sum;
+/// g.output("sum", &sum);
+/// # }
+/// ```
+///
+/// A double write, of two stages that would both replace one version:
+///
+/// ```compile_fail,E0382
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let once = g.add::<Add>("once", Inputs { term: &term, sum }, Dispatch::Elements(8)).sum;
+/// let other = g.add::<Add>("other", Inputs { term: &term, sum }, Dispatch::Elements(8)).sum;
+/// # }
+/// ```
+///
+/// One resource that is read and written by one stage, but not through one port:
+///
+/// ```compile_fail,E0505
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let once = g.add::<Add>("once", Inputs { term: &sum, sum }, Dispatch::Elements(8)).sum;
+/// # }
+/// ```
+///
+/// A buffer of another element type:
+///
+/// ```compile_fail,E0308
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let real = g.input::<f32>("real", 8);
+/// let once = g.add::<Add>("once", Inputs { term: &real, sum }, Dispatch::Elements(8)).sum;
+/// # }
+/// ```
 #[derive(Debug)]
 #[must_use = "a version that nobody reads is dead"]
 pub struct Buffer<T> {
@@ -45,6 +164,30 @@ impl<T: Element> Previous<T> {
 }
 
 /// The value that a state had at the end of the frame before. Only read.
+///
+/// A port that writes takes no such handle:
+///
+/// ```compile_fail,E0308
+/// # use gibs_graph::{stage, Dispatch, Graph, Initial, WgslSource, Workgroup};
+/// # stage! {
+/// #     /// Adds `term` to `sum`.
+/// #     pub stage Add {
+/// #         wgsl: WgslSource { name: "add", text: "", modules: &[], features: &[] },
+/// #         workgroup: [64, 1, 1],
+/// #         ports: { read term: u32, read_write sum: u32 },
+/// #         cpu: add,
+/// #         wide: None,
+/// #     }
+/// # }
+/// # fn add(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {
+/// # let mut g = Graph::new("example");
+/// # let term = g.input::<u32>("term", 8);
+/// # let sum = g.zeroed::<u32>("sum", 8);
+/// let (past, before, now) = g.history::<u32>("past", 8, Initial::Zero);
+/// let once = g.add::<Add>("once", Inputs { term: &term, sum: before }, Dispatch::Elements(8)).sum;
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Previous<T> {
     pub(crate) token: GraphToken,

@@ -8,6 +8,7 @@
 //!
 //! This crate knows no device, no shader tool and no rendering: kernels are data ([`KernelSource`]), and shaders are
 //! checked through the [`ShaderCompiler`] trait.
+#![warn(missing_docs)]
 mod backend;
 mod compile;
 mod element;

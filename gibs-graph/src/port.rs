@@ -20,7 +20,8 @@ pub enum Access {
     Uniform,
     /// `var<storage, read>`.
     Read,
-    /// `var<storage, read_write>`, only written.
+    /// `var<storage, read_write>`, only written. Elements that the stage leaves out keep what they held, so a write
+    /// goes after the writes before it and needs them.
     Write,
     /// `var<storage, read_write>`, read and written.
     ReadWrite,

@@ -1,6 +1,7 @@
 //! A compiled frame: plain data that any backend can run.
 use crate::{Access, KernelSource, Kind, Layout, Port};
 use serde::Serialize;
+use std::collections::HashMap;
 
 /// Index of a resource in [`Schedule::resources`].
 pub type ResourceId = u32;
@@ -19,7 +20,7 @@ pub struct Schedule {
     pub outputs: Vec<Output>,
     /// Labels of stages that nothing needs, and that were left out.
     pub removed: Vec<String>,
-    /// Dependencies between steps, as `(earlier, later, resource)`.
+    /// Every dependency between steps, once, whether a barrier settles it already or not, as `(earlier, later, resource)`.
     pub edges: Vec<(u32, u32, ResourceId)>,
 }
 
@@ -64,11 +65,14 @@ impl Usage {
 #[derive(Clone, Debug, Serialize)]
 #[non_exhaustive]
 pub struct Step {
-    /// Name in the frame, `group/stage`; for a clear, the resource's key.
+    /// Name in the frame, `group/stage`; for a clear, `clear` and the resource's key.
     pub label: String,
     /// What happens.
     pub action: Action,
-    /// Earlier work that must be finished and visible first. Empty: no barrier is needed.
+    /// Earlier work of this frame that must be finished and visible first, as far as no barrier before does that
+    /// already; a barrier before a step orders everything before it. Empty: no barrier is needed. [`Schedule::edges`]
+    /// has every dependency. Whole frames are ordered by the backend: all work of a frame is finished and visible
+    /// before the next frame starts.
     pub hazards: Vec<Hazard>,
 }
 
@@ -139,6 +143,17 @@ pub enum HazardKind {
     WriteAfterWrite,
 }
 
+impl HazardKind {
+    /// What touching a resource with `access` after a write is.
+    pub(crate) fn after_write(access: Access) -> Self {
+        if access.reads() {
+            HazardKind::ReadAfterWrite
+        } else {
+            HazardKind::WriteAfterWrite
+        }
+    }
+}
+
 /// Something the host reads after a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Output {
@@ -164,22 +179,22 @@ impl Schedule {
         self.resources
             .iter()
             .filter(|r| r.usage.on_device() || host)
-            .map(|r| r.bytes * if matches!(r.kind, Kind::History(_)) { 2 } else { 1 })
-            .sum()
+            .map(|r| r.bytes.saturating_mul(if matches!(r.kind, Kind::History(_)) { 2 } else { 1 }))
+            .fold(0, u64::saturating_add)
     }
 
-    /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind, type and length
-    /// agree.
+    /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind with its initial
+    /// value, type and length agree.
     pub fn adoptions(&self, old: &Schedule) -> Vec<(ResourceId, ResourceId)> {
-        self.resources
-            .iter()
-            .enumerate()
+        let before: HashMap<&str, (ResourceId, &Resource)> =
+            (0..).zip(&old.resources).map(|(id, r)| (r.key.as_str(), (id, r))).collect();
+        (0..)
+            .zip(&self.resources)
             .filter(|(_, new)| new.kind.persists())
-            .filter_map(|(i, new)| {
-                let j = old.resources.iter().position(|o| {
-                    o.key == new.key && o.kind == new.kind && o.element == new.element && o.len == new.len
-                })?;
-                Some((j as ResourceId, i as ResourceId))
+            .filter_map(|(id, new)| {
+                let &(from, old) = before.get(new.key.as_str())?;
+                let agrees = old.kind == new.kind && old.element == new.element && old.len == new.len;
+                agrees.then_some((from, id))
             })
             .collect()
     }
@@ -194,9 +209,12 @@ impl Schedule {
 }
 
 impl Step {
-    /// What stands before the slash of the label.
+    /// What stands before the slash of the label; nothing for a clear.
     pub fn group(&self) -> &str {
-        self.label.split_once('/').map_or("", |(group, _)| group)
+        match &self.action {
+            Action::Clear(_) => "",
+            Action::Dispatch(_) => self.label.split_once('/').map_or("", |(group, _)| group),
+        }
     }
 
     /// Resources that the step reads and writes, as `(resource, access)`; a clear counts as a write.

@@ -65,12 +65,12 @@ element! {
         lights_per_point: u32,
         /// Side of the octahedral environment map, in texels.
         environment_side: u32,
-        /// Zero.
-        pad0: u32,
-        /// Zero.
-        pad1: u32,
-        /// Zero.
-        pad2: u32,
+        /// 1 where emitter sampling covers the sky.
+        sky_sampled: u32,
+        /// Sum over all sampled emitters of area times luminance, W/sr.
+        emitter_power: f32,
+        /// Samples per pixel of a reference.
+        samples: u32,
     }
 
     /// The non-linear grid (GIBS, "Acceleration Structure"): a cube of uniform cells around the eye, and one
@@ -108,6 +108,14 @@ element! {
         depth_blend: f32,
         /// 1 where the firefly clamp of the estimator is on.
         clamp: u32,
+        /// Most segments of a path beyond its first hit.
+        continuations: u32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -260,7 +268,7 @@ element! {
     pub struct SurfelIrradiance {
         /// Long mean.
         mean: Vec3,
-        /// Rays integrated so far, saturating.
+        /// Rays integrated so far; falls back by half at `estimator::MOST_SAMPLES`.
         samples: u32,
         /// Short-term mean.
         short_mean: Vec3,
@@ -299,12 +307,36 @@ element! {
         root: u32,
         /// State of its random numbers.
         seed: u32,
-        /// Zero.
-        pad0: u32,
+        /// Segments that may still follow.
+        remaining: u32,
         /// Zero.
         pad1: u32,
         /// Zero.
         pad2: u32,
+    }
+
+    /// A pixel of the reference: its path, and the sum of the finished ones.
+    pub struct ReferencePath {
+        /// Turns irradiance at the path's vertex into irradiance at the pixel.
+        scale: Vec3,
+        /// Segments that the path has, this one included; zero for none.
+        segment: u32,
+        /// Irradiance that the path has found so far, W/m^2.
+        sample: Vec3,
+        /// State of its random numbers.
+        seed: u32,
+        /// Sum of the finished samples, W/m^2.
+        sum: Vec3,
+        /// Finished samples.
+        done: u32,
+        /// Sum of the squared luminances of the finished samples.
+        sum_squared: f32,
+        /// Largest luminance of a finished sample.
+        largest: f32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
     }
 
     /// Free slots of the surfel buffers, and what happened to them.

@@ -41,9 +41,10 @@ fn estimator_update(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32,
     // Short term. While few rays are in, it is a plain mean too.
     let plain = n / (f32(state.samples) + n);
     let blend = max(ESTIMATOR_SHORT_BLEND * confidence, plain);
-    let delta = y - state.short_mean;
-    let short_mean = state.short_mean + delta * blend;
-    let spread = delta * (y - short_mean);
+    let delta = mean_of_rays - state.short_mean;
+    let short_mean = state.short_mean + (y - state.short_mean) * blend;
+    // Of the sample as it came: a variance of clamped samples would shrink the limit further, and so lose energy.
+    let spread = delta * delta * (1.0 - blend);
     // The variance follows more slowly than the mean, so that it does not shrink with the mean's own jumps.
     let variance = state.variance + (spread - state.variance) * (blend * 0.5);
     // How far the short mean has strayed, in standard deviations of the short mean itself.
@@ -66,6 +67,9 @@ fn estimator_update(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32,
         share = min(ESTIMATOR_RECENCY * plain, 1.0);
     }
     let mean = state.mean + (y - state.mean) * max(share, catch_up);
-    let samples = min(state.samples + rays, ESTIMATOR_MOST_SAMPLES);
+    var samples = state.samples + rays;
+    if samples >= ESTIMATOR_MOST_SAMPLES {
+        samples -= ESTIMATOR_MOST_SAMPLES / 2u;
+    }
     return SurfelIrradiance(mean, samples, short_mean, reduction, variance, inconsistency);
 }

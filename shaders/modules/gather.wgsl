@@ -3,9 +3,17 @@
 import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{lookup_alignment, lookup_falloff};
-import package::types::Gathered;
+import package::types::{Gathered, SurfelPose};
 
-/// Irradiance at a point from the surfels in its cell that have integrated any rays.
+fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    if settings.use_depth == 0u {
+        return 1.0;
+    }
+    return depth_visibility(id, pose, d);
+}
+
+/// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
+/// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
 fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
     let cell = cells[grid_cell(point, grid)];
     let count = min(cell.y, settings.lookup);
@@ -13,25 +21,30 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
     for (var i = 0u; i < count; i++) {
         let id = entries[cell.x + i];
         let pose = poses[id];
-        let aligned = lookup_alignment(normal, pose);
-        if aligned <= 0.0 || irradiance[id].samples == 0u {
+        let d = point - pose.position;
+        var weight = lookup_falloff(d, pose) * lookup_alignment(normal, pose);
+        if weight <= 0.0 || irradiance[id].samples == 0u {
             continue;
         }
-        let d = point - pose.position;
-        var broad = aligned;
-        if settings.use_depth != 0u {
-            broad *= depth_visibility(id, pose, d);
-        }
-        let weight = broad * lookup_falloff(d, pose);
-        let mean = irradiance[id].mean;
-        g.irradiance += mean * weight;
+        weight *= gather_share(id, pose, d);
+        g.irradiance += irradiance[id].mean * weight;
         g.weight += weight;
-        g.average += mean * broad;
-        g.average_weight += broad;
     }
-    if g.weight > 1.0 {
+    if g.weight >= 1.0 {
         g.irradiance /= g.weight;
         g.weight = 1.0;
+        return g;
+    }
+    for (var i = 0u; i < count; i++) {
+        let id = entries[cell.x + i];
+        let pose = poses[id];
+        var weight = lookup_alignment(normal, pose);
+        if weight <= 0.0 || irradiance[id].samples == 0u {
+            continue;
+        }
+        weight *= gather_share(id, pose, point - pose.position);
+        g.average += irradiance[id].mean * weight;
+        g.average_weight += weight;
     }
     if g.average_weight > 0.0 {
         g.average /= g.average_weight;

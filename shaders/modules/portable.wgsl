@@ -26,7 +26,7 @@ fn portable_log2(x: f32) -> f32 {
     }
     let t = (mantissa - 1.0) / (mantissa + 1.0);
     let t2 = t * t;
-    let series = t * (1.0 + t2 * (0.33333334 + t2 * (0.2 + t2 * (0.14285715 + t2 * 0.11111111))));
+    let series = 1.0 + t2 * (0.33333334 + t2 * (0.2 + t2 * (0.14285715 + t2 * 0.11111111)));
     // 2 / ln 2, from ln m = 2 artanh t.
-    return exponent + 2.88539 * series;
+    return exponent + (2.88539 * t) * series;
 }

@@ -76,8 +76,9 @@ fn texture_sample(first: u32, packed_size: u32, wrapping: u32, uv: vec2<f32>) ->
     return top * (1.0 - f.y) + bottom * f.y;
 }
 
+/// The inner sum is the one that compilers make of either grouping, so that all backends round alike.
 fn texture_mapped(row: vec3<f32>, uv: vec2<f32>) -> f32 {
-    return row.x * uv.x + row.y * uv.y + row.z;
+    return row.x * uv.x + (row.y * uv.y + row.z);
 }
 
 /// Texture coordinates of a point on a triangle.

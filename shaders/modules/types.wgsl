@@ -92,6 +92,10 @@ struct SurfelSettings {
     lookup: u32,
     depth_blend: f32,
     clamp: u32,
+    continuations: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Corners {
@@ -200,7 +204,7 @@ struct Path {
     throughput: vec3<f32>,
     root: u32,
     seed: u32,
-    pad0: u32,
+    remaining: u32,
     pad1: u32,
     pad2: u32,
 }

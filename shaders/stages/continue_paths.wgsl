@@ -38,5 +38,6 @@ fn main(
     let slot = scanned[i];
     next_rays[slot] = Ray(origin, 0.0, direction, F32_MAX);
     path.seed = second;
+    path.remaining -= 1u;
     next_paths[slot] = path;
 }

@@ -2,15 +2,16 @@
 import package::hash::{hash_hash2, hash_hash3};
 import package::invocation::invocation_index;
 import package::sampling::{sampling_cosine_hemisphere, sampling_r2, sampling_start, sampling_to_world};
-import package::types::{F32_MAX, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose};
+import package::types::{F32_MAX, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(2) var<storage, read> births: array<SurfelBirth>;
-@group(0) @binding(3) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>;
-@group(0) @binding(5) var<storage, read_write> rays: array<Ray>;
-@group(0) @binding(6) var<storage, read_write> paths: array<Path>;
+@group(0) @binding(1) var<uniform> settings: SurfelSettings;
+@group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(5) var<storage, read> offsets: array<u32>;
+@group(0) @binding(6) var<storage, read_write> rays: array<Ray>;
+@group(0) @binding(7) var<storage, read_write> paths: array<Path>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -33,6 +34,6 @@ fn main(
         let origin = sampling_start(pose.position, pose.normal, births[i].offset, direction);
         rays[ray] = Ray(origin, 0.0, direction, F32_MAX);
         let seed = hash_hash3(surfel_seed, frame.number, ray - first);
-        paths[ray] = Path(vec3<f32>(1.0), ray, seed, 0u, 0u, 0u);
+        paths[ray] = Path(vec3<f32>(1.0), ray, seed, settings.continuations, 0u, 0u);
     }
 }

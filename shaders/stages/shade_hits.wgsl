@@ -37,12 +37,15 @@ fn main(
         let albedo = surface_albedo(point);
         let largest = vector_max_element(albedo);
         let seed = hash_pcg(path.seed);
-        if hash_unit(seed) < (1.0 - gathered[i].weight) * largest {
+        var arriving = direct[i].xyz + gathered[i].irradiance;
+        if path.remaining == 0u {
+            // The path ends here: the cell's average stands in for what it would have found.
+            arriving += gathered[i].average * (1.0 - gathered[i].weight);
+        } else if hash_unit(seed) < (1.0 - gathered[i].weight) * largest {
             goes = 1u;
             paths[i].throughput = path.throughput * albedo / largest;
             paths[i].seed = seed;
         }
-        let arriving = direct[i].xyz + gathered[i].irradiance;
         added = point.emission + albedo * FRAC_1_PI * arriving;
     } else {
         added = environment_radiance(frame.environment_side, rays[i].direction);

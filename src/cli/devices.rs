@@ -25,7 +25,7 @@ fn entry(choice: backends::Choice) -> Entry {
         #[cfg(feature = "wgpu")]
         backends::Choice::Wgpu => gibs_backend_wgpu::devices(),
         #[cfg(feature = "vulkan")]
-        backends::Choice::Vulkan => gibs_backend_vulkan::devices().unwrap_or_default(),
+        backends::Choice::Vulkan => gibs_backend_vulkan::VulkanBackend::devices().unwrap_or_default(),
         _ => Vec::new(),
     };
     if !devices.is_empty() {

@@ -3,6 +3,7 @@ pub mod compare;
 mod devices;
 mod error;
 mod graph;
+mod profile;
 mod reference;
 mod render;
 mod scene;
@@ -27,6 +28,7 @@ enum Command {
     Reference(Box<reference::Args>),
     Compare(Box<compare::Args>),
     Graph(Box<graph::Args>),
+    Profile(Box<profile::Args>),
     Settings(settings::Args),
     Devices(devices::Args),
 }
@@ -46,6 +48,7 @@ pub fn main() -> ExitCode {
         Command::Reference(args) => reference::run(&args),
         Command::Compare(args) => compare::run(*args).map_err(CommandError::from),
         Command::Graph(args) => graph::run(&args),
+        Command::Profile(args) => profile::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Devices(args) => devices::run(&args),
     };

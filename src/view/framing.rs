@@ -1,7 +1,7 @@
 //! A view of a scene that came without one.
 use super::{DEFAULT_RESOLUTION, View};
 use gibs_passes::scene::{Camera, Environment, NodeId, Pose, Scene, Sun};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Vertical field of view of a camera that is made up, radians (45 degrees).
 const VFOV: f64 = std::f64::consts::FRAC_PI_4;
@@ -12,7 +12,7 @@ const TOWARDS_CAMERA: DVec3 = DVec3::new(0.55, 0.4, 1.0);
 impl View {
     /// A view of `scene` in its rest pose.
     ///
-    /// - Camera: the scene's first one, which stands in its node's space; else one outside that shows the bounding
+    /// - Camera: the scene's first one, which is in world space at rest; else one outside that shows the bounding
     ///   sphere of everything that is drawn.
     /// - Light: if the scene has neither lights nor emission, a soft sky (0.35, 0.45, 0.6) and a sun of 5 W/m^2;
     ///   else nothing beside the scene's own.
@@ -21,15 +21,10 @@ impl View {
     /// # Panics
     /// If the scene does not pass [`Scene::validate`].
     pub fn framing(scene: &Scene) -> View {
-        let pose = scene.pose(&[]);
-        let camera = scene
-            .cameras
-            .first()
-            .and_then(|(node, camera)| {
-                let world = pose.world.get(*node as usize)?;
-                Some(placed(camera, world))
-            })
-            .unwrap_or_else(|| around(bounds(scene, &pose)));
+        let camera = match scene.cameras.first() {
+            Some((_, camera)) => *camera,
+            None => around(bounds(scene, &scene.pose(&[]))),
+        };
         let (sun, environment) = match is_lit(scene) {
             true => (None, Environment::default()),
             false => (
@@ -50,16 +45,6 @@ impl View {
             exposure: 1.0,
             warnings: Vec::new(),
         }
-    }
-}
-
-/// The camera in world space.
-fn placed(camera: &Camera, world: &DAffine3) -> Camera {
-    Camera {
-        position: world.transform_point3(camera.position),
-        target: world.transform_point3(camera.target),
-        up: world.transform_vector3(camera.up).normalize_or(DVec3::Y),
-        vfov: camera.vfov,
     }
 }
 

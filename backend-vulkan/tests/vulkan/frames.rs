@@ -172,6 +172,25 @@ fn workgroup_memory_starts_at_zero() {
     });
 }
 
+/// Allocations are rounded up, what a kernel sees is not.
+#[test]
+fn kernels_see_the_exact_length() {
+    watched(|backend| {
+        let mut g = Graph::new("length");
+        let source = g.input("source", 3);
+        let target_ = g.transient("target", 1);
+        let inputs = length::Inputs {
+            source: &source,
+            target_,
+        };
+        let out = g.add::<length::Length>("length", inputs, Dispatch::Elements(1));
+        g.output("target", &out.target_);
+        let mut e = prepare(backend, g);
+        e.run().unwrap();
+        assert_eq!(read(&mut *e, "target"), [3]);
+    });
+}
+
 #[test]
 fn a_step_runs_alone() {
     watched(|backend| {

@@ -122,6 +122,14 @@ stages! {
          target_[group.x] = atomicLoad(&sum);
      }"
 
+    /// How many numbers the kernel sees.
+    length Length { read source: u32, write target_: u32 }
+    "@group(0) @binding(0) var<storage, read> source: array<u32>;
+     @group(0) @binding(1) var<storage, read_write> target_: array<u32>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         if id.x == 0u { target_[0] = arrayLength(&source); }
+     }"
+
     /// Seen by wide CPU kernels beside a device port.
     beside Beside { read source: u32, host_only tree: u32, write target_: u32 }
     "@group(0) @binding(0) var<storage, read> source: array<u32>;

@@ -201,6 +201,8 @@ impl Settings {
             lookup: self.lookup,
             depth_blend: self.depth_blend,
             clamp: u32::from(self.clamp),
+            continuations: self.continuations,
+            ..SurfelSettings::default()
         }
     }
 }

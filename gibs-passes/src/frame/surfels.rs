@@ -242,6 +242,7 @@ fn integrate_rays(
         "persistent/generate_rays",
         generate_rays::Inputs {
             frame: &scene.frame,
+            settings: device_settings,
             poses: &surfels.poses,
             births: &surfels.births,
             irradiance: &surfels.irradiance,

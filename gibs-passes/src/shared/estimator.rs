@@ -20,7 +20,8 @@ pub const PLAIN_MEAN: u32 = 64;
 /// Weight of a ray after that, over its share in a plain mean. A weight that grows linearly, 2, forgets a bias of the
 /// first frames with the square of their share and has 4/3 of the plain mean's variance.
 pub const RECENCY: f32 = 2.0;
-/// The ray count saturates here, which bounds the memory of the long mean.
+/// Here the ray count falls back by half, which bounds the memory of the long mean, and lets the sequence of
+/// directions, which it numbers, go on.
 pub const MOST_SAMPLES: u32 = 1 << 17;
 
 /// Rec. 709 luminance.
@@ -58,9 +59,10 @@ pub fn update(state: &SurfelIrradiance, sample: Vec3, rays: u32, clamp: bool) ->
     // Short term. While few rays are in, it is a plain mean too.
     let plain = n / (state.samples as f32 + n);
     let blend = (SHORT_BLEND * confidence).max(plain);
-    let delta = y - state.short_mean;
-    let short_mean = state.short_mean + delta * blend;
-    let spread = delta * (y - short_mean);
+    let delta = sample - state.short_mean;
+    let short_mean = state.short_mean + (y - state.short_mean) * blend;
+    // Of the sample as it came: a variance of clamped samples would shrink the limit further, and so lose energy.
+    let spread = delta * delta * (1.0 - blend);
     // The variance follows more slowly than the mean, so that it does not shrink with the mean's own jumps.
     let variance = state.variance + (spread - state.variance) * (blend * 0.5);
     // How far the short mean has strayed, in standard deviations of the short mean itself.
@@ -77,7 +79,10 @@ pub fn update(state: &SurfelIrradiance, sample: Vec3, rays: u32, clamp: bool) ->
     // Long term.
     let share = if state.samples < PLAIN_MEAN { plain } else { (RECENCY * plain).min(1.0) };
     let mean = state.mean + (y - state.mean) * share.max(catch_up);
-    let samples = (state.samples + rays).min(MOST_SAMPLES);
+    let mut samples = state.samples + rays;
+    if samples >= MOST_SAMPLES {
+        samples -= MOST_SAMPLES / 2;
+    }
     SurfelIrradiance { mean, samples, short_mean, reduction, variance, inconsistency }
 }
 

@@ -119,7 +119,8 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, grid: &GridShape, se
     sum
 }
 
-/// Irradiance at a point from the surfels in its cell that have integrated any rays.
+/// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
+/// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
 pub fn gather(
     point: Vec3,
     normal: Vec3,
@@ -129,29 +130,38 @@ pub fn gather(
     settings: &SurfelSettings,
 ) -> Gathered {
     let cell = s.cells[grid::cell(point, grid) as usize];
+    let entries = &s.entries[cell.x as usize..(cell.x + cell.y.min(settings.lookup)) as usize];
+    let share = |id: usize, d: Vec3| {
+        if settings.use_depth != 0 { visibility(&s.depths[id], &s.poses[id], d) } else { 1.0 }
+    };
     let mut g = Gathered::default();
-    for i in 0..cell.y.min(settings.lookup) {
-        let id = s.entries[(cell.x + i) as usize] as usize;
+    for &id in entries {
+        let id = id as usize;
         let pose = &s.poses[id];
-        let aligned = alignment(normal, pose);
-        if aligned <= 0.0 || irradiance[id].samples == 0 {
+        let d = point - pose.position;
+        let mut weight = falloff(d, pose) * alignment(normal, pose);
+        if weight <= 0.0 || irradiance[id].samples == 0 {
             continue;
         }
-        let d = point - pose.position;
-        let mut broad = aligned;
-        if settings.use_depth != 0 {
-            broad *= visibility(&s.depths[id], pose, d);
-        }
-        let weight = broad * falloff(d, pose);
-        let mean = irradiance[id].mean;
-        g.irradiance += mean * weight;
+        weight *= share(id, d);
+        g.irradiance += irradiance[id].mean * weight;
         g.weight += weight;
-        g.average += mean * broad;
-        g.average_weight += broad;
     }
-    if g.weight > 1.0 {
+    if g.weight >= 1.0 {
         g.irradiance /= g.weight;
         g.weight = 1.0;
+        return g;
+    }
+    for &id in entries {
+        let id = id as usize;
+        let pose = &s.poses[id];
+        let mut weight = alignment(normal, pose);
+        if weight <= 0.0 || irradiance[id].samples == 0 {
+            continue;
+        }
+        weight *= share(id, point - pose.position);
+        g.average += irradiance[id].mean * weight;
+        g.average_weight += weight;
     }
     if g.average_weight > 0.0 {
         g.average /= g.average_weight;

@@ -37,6 +37,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let origin = sampling::start(point.position, geometric, point.offset, direction);
         let slot = p.scanned[i] as usize;
         p.next_rays.set(slot, Ray { origin, t_min: 0.0, direction, t_max: f32::MAX });
-        p.next_paths.set(slot, Path { seed: second, ..*path });
+        p.next_paths.set(slot, Path { seed: second, remaining: path.remaining - 1, ..*path });
     }
 }

@@ -1,5 +1,5 @@
 //! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1).
-use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose};
+use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::{hash, sampling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
@@ -12,6 +12,7 @@ stage! {
         workgroup: [64, 1, 1],
         ports: {
             uniform frame: Frame,
+            uniform settings: SurfelSettings,
             read poses: SurfelPose,
             read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
@@ -36,7 +37,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let origin = sampling::start(pose.position, pose.normal, p.births[i].offset, direction);
             p.rays.set(ray as usize, Ray { origin, t_min: 0.0, direction, t_max: f32::MAX });
             let seed = hash::hash3(seed, p.frame.number, ray - first);
-            p.paths.set(ray as usize, Path { throughput: Vec3::ONE, root: ray, seed, ..Path::default() });
+            p.paths.set(ray as usize, Path { throughput: Vec3::ONE, root: ray, seed, remaining: p.settings.continuations, ..Path::default() });
         }
     }
 }

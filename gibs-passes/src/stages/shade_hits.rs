@@ -9,7 +9,8 @@ stage! {
     /// Adds to each path's root: the sky for a miss; else emission, and albedo over pi times the direct irradiance and
     /// the surfels' irradiance at the hit (GIBS, "Integrating Irradiance"). Where the surfels' summed weight is below
     /// one, the path goes on with the probability of what is missing times the albedo's largest part, so that nothing
-    /// is lost on average. `goes_on` is 1 for those.
+    /// is lost on average; a path at its last segment takes the cell's average instead. `goes_on` is 1 for those that
+    /// go on.
     pub stage ShadeHits {
         wgsl: gibs_shaders::stages::SHADE_HITS,
         workgroup: [64, 1, 1],
@@ -40,11 +41,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let gathered = &p.gathered[i];
             let largest = albedo.max_element();
             let seed = hash::pcg(path.seed);
-            if hash::unit(seed) < (1.0 - gathered.weight) * largest {
+            let mut arriving = p.direct[i].truncate() + gathered.irradiance;
+            if path.remaining == 0 {
+                // The path ends here: the cell's average stands in for what it would have found.
+                arriving += gathered.average * (1.0 - gathered.weight);
+            } else if hash::unit(seed) < (1.0 - gathered.weight) * largest {
                 goes_on = 1;
                 p.paths.set(i, Path { throughput: path.throughput * albedo / largest, seed, ..path });
             }
-            let arriving = p.direct[i].truncate() + gathered.irradiance;
             point.emission + albedo * FRAC_1_PI * arriving
         } else {
             environment::radiance(&p.environment, p.frame.environment_side, p.rays[i].direction)

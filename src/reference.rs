@@ -1,0 +1,134 @@
+//! Path-traced ground truth.
+use crate::picture::Picture;
+use crate::renderer::{RenderError, check_size, compile, device_scene, read_output, set, surface_channels};
+use crate::view::View;
+use gibs_graph::{Backend, Graph};
+use gibs_passes::data::{ReferencePath, SurfacePoint};
+use gibs_passes::frame::{
+    FrameUpdate, ReferenceUpdate, SceneSizes, Settings, gbuffer_frame, reference_frame, upload_frame,
+    upload_reference, upload_scene,
+};
+use gibs_passes::scene::Scene;
+use gibs_passes::shared::estimator::luminance;
+use gibs_passes::shared::surface;
+use glam::Vec3;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// What to render.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceOptions {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Seed.
+    pub seed: u32,
+}
+
+/// How certain a reference is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Certainty {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Root mean square over pixels of the standard error of luminance, over the mean luminance.
+    pub standard_error: f64,
+    /// Pixels of whose sum one sample makes up more than half.
+    pub fireflies: usize,
+    /// Frames that ran: segments of the longest sequence of paths.
+    pub frames: u32,
+}
+
+/// Frames between looks at how many pixels are left.
+const LOOK_EVERY: u32 = 16;
+
+/// Renders ground truth: `E` and everything else that a truth has, the standard error of E's luminance as
+/// `standard_error.Y`, and `firefly.A`. `progress` hears of finished frames and of the pixels that are left.
+///
+/// # Errors
+/// As [`crate::Renderer`].
+pub fn reference(
+    backend: &dyn Backend,
+    scene: &Scene,
+    view: &View,
+    options: &ReferenceOptions,
+    mut progress: impl FnMut(u32, u32),
+) -> Result<(Picture, Certainty), RenderError> {
+    check_size(options.size)?;
+    let device = device_scene(scene, view)?;
+    let sizes = SceneSizes::of(&device);
+
+    let mut g = Graph::new("gbuffer");
+    gbuffer_frame(&mut g, options.size, &sizes);
+    let mut exec = backend.prepare(Arc::new(compile(g)?), None)?;
+    upload_scene(exec.as_mut(), &device)?;
+    let update = FrameUpdate { camera: &view.camera, size: options.size, number: 0, seed: options.seed };
+    upload_frame(exec.as_mut(), &device, &Settings::default(), &update)?;
+    exec.run()?;
+    let points: Vec<SurfacePoint> = read_output(exec.as_mut(), "points")?;
+
+    let mut g = Graph::new("reference");
+    reference_frame(&mut g, options.size, &sizes, &device);
+    let mut exec = backend.prepare(Arc::new(compile(g)?), Some(exec))?;
+    upload_scene(exec.as_mut(), &device)?;
+    if let Some(primary) = exec.schedule().resource("primary") {
+        exec.upload(primary, 0, bytemuck::cast_slice(&points))?;
+    }
+    let mut frames = 0;
+    loop {
+        let (size, samples, seed) = (options.size, options.samples, options.seed);
+        upload_reference(exec.as_mut(), &device, &ReferenceUpdate { size, samples, number: frames, seed })?;
+        exec.run()?;
+        frames += 1;
+        // Every path has at least one segment, so that nothing can be done before.
+        if frames >= samples && frames.is_multiple_of(LOOK_EVERY) {
+            let remaining: Vec<u32> = read_output(exec.as_mut(), "remaining")?;
+            let remaining = remaining.first().copied().unwrap_or_default();
+            progress(frames, remaining);
+            if remaining == 0 {
+                break;
+            }
+        } else if frames.is_multiple_of(LOOK_EVERY) {
+            exec.wait()?;
+            progress(frames, options.size[0] * options.size[1]);
+        }
+    }
+    let paths: Vec<ReferencePath> = read_output(exec.as_mut(), "paths")?;
+    compose(view, &device, options, &points, &paths, frames)
+}
+
+fn compose(
+    view: &View,
+    device: &gibs_passes::device::DeviceScene,
+    options: &ReferenceOptions,
+    points: &[SurfacePoint],
+    paths: &[ReferencePath],
+    frames: u32,
+) -> Result<(Picture, Certainty), RenderError> {
+    let mean = |p: &ReferencePath| p.sum / p.done.max(1) as f32;
+    let mut picture = surface_channels(points, options.size, view, device.origin)?;
+    set(&mut picture, "E", paths.iter().map(mean))?;
+    let indirect: Vec<Vec3> =
+        paths.iter().zip(points).map(|(p, s)| surface::albedo(s) * std::f32::consts::FRAC_1_PI * mean(p)).collect();
+    set(&mut picture, "indirect", indirect.iter().copied())?;
+    set(&mut picture, "", indirect.iter().zip(points).map(|(&i, s)| i + s.emission))?;
+    let variance = |p: &ReferencePath| {
+        let n = f64::from(p.done.max(2));
+        let mean = f64::from(luminance(p.sum)) / n;
+        ((f64::from(p.sum_squared) / n - mean * mean) / (n - 1.0)).max(0.0)
+    };
+    let firefly = |p: &ReferencePath| p.largest > 0.5 * luminance(p.sum) && p.done > 8;
+    let seen = || paths.iter().filter(|p| p.done > 0);
+    let count = seen().count().max(1) as f64;
+    let average = seen().map(|p| f64::from(luminance(mean(p)))).sum::<f64>() / count;
+    let error = (seen().map(variance).sum::<f64>() / count).sqrt();
+    picture.set_scalar("standard_error.Y", paths.iter().map(|p| variance(p).sqrt() as f32).collect())?;
+    picture.set_scalar("firefly.A", paths.iter().map(|p| f32::from(u8::from(firefly(p)))).collect())?;
+    let certainty = Certainty {
+        samples: options.samples,
+        standard_error: if average > 0.0 { error / average } else { 0.0 },
+        fireflies: paths.iter().filter(|p| firefly(p)).count(),
+        frames,
+    };
+    Ok((picture, certainty))
+}
