@@ -2,7 +2,7 @@
 // `irradiance`, `grid` and `settings`.
 import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{lookup_alignment, lookup_falloff};
+import package::lookup::{LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff};
 import package::types::{Gathered, SurfelPose};
 
 fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -35,7 +35,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         g.weight = 1.0;
         return g;
     }
-    for (var i = 0u; i < count; i++) {
+    for (var i = 0u; i < min(count, LOOKUP_AVERAGE_OF); i++) {
         let id = entries[cell.x + i];
         let pose = poses[id];
         var weight = lookup_alignment(normal, pose);

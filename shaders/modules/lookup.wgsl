@@ -7,6 +7,10 @@ import package::vector::vector_dot;
 const LOOKUP_DEPTH_SIDE: u32 = 4u;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 const LOOKUP_SQUASH: f32 = 2.0;
+/// Weight of a surfel at its own centre.
+const LOOKUP_PEAK: f32 = 2.0;
+/// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
+const LOOKUP_AVERAGE_OF: u32 = 16u;
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 const LOOKUP_LEAST_VARIANCE: f32 = 1e-4;
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
@@ -34,12 +38,12 @@ fn lookup_chebyshev(m: vec2<f32>, t: f32) -> f32 {
     return max((bound - LOOKUP_CHEBYSHEV_FLOOR) / (1.0 - LOOKUP_CHEBYSHEV_FLOOR), 0.0);
 }
 
-/// Distance factor: 1 at the centre, 0 at the radius, smooth at both.
+/// Distance factor: `LOOKUP_PEAK` at the centre, 0 at the radius, smooth at both.
 fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
     let h = vector_dot(d, pose.normal);
     let squared = (vector_dot(d, d) + (LOOKUP_SQUASH * LOOKUP_SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
     let k = max(1.0 - squared, 0.0);
-    return k * k;
+    return LOOKUP_PEAK * k * k;
 }
 
 /// Normal factor of a surfel for a point.

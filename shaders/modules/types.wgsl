@@ -69,9 +69,9 @@ struct Frame {
     lights: u32,
     lights_per_point: u32,
     environment_side: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
+    sky_sampled: u32,
+    emitter_power: f32,
+    samples: u32,
 }
 
 struct GridShape {
@@ -207,6 +207,19 @@ struct Path {
     remaining: u32,
     pad1: u32,
     pad2: u32,
+}
+
+struct ReferencePath {
+    scale: vec3<f32>,
+    segment: u32,
+    sample: vec3<f32>,
+    seed: u32,
+    sum: vec3<f32>,
+    done: u32,
+    sum_squared: f32,
+    largest: f32,
+    pad0: u32,
+    pad1: u32,
 }
 
 struct SurfelCounters {

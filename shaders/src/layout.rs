@@ -1,4 +1,5 @@
 //! Layouts: what naga says of a type, and how it differs from what a port says.
+use crate::names;
 use gibs_graph::{Field, Layout, Scalar};
 use naga::{ArraySize, Handle, Module, ScalarKind, Type, TypeInner, VectorSize};
 
@@ -144,7 +145,7 @@ fn fields(rust: &[Field], wgsl: &[Field], path: &str, found: &mut Vec<String>) {
     };
     for a in rust {
         let path = named(&a.name);
-        let Some(b) = wgsl.iter().find(|b| b.name == a.name) else {
+        let Some(b) = wgsl.iter().find(|b| b.name == names::global(&a.name)) else {
             found.push(format!("member `{path}` is missing in WGSL"));
             continue;
         };
@@ -158,7 +159,7 @@ fn fields(rust: &[Field], wgsl: &[Field], path: &str, found: &mut Vec<String>) {
     }
     for b in wgsl
         .iter()
-        .filter(|b| rust.iter().all(|a| a.name != b.name))
+        .filter(|b| rust.iter().all(|a| names::global(&a.name) != b.name))
     {
         found.push(format!("member `{}` is missing in Rust", named(&b.name)));
     }

@@ -46,7 +46,7 @@ impl Default for Settings {
             lookup: 128,
             depth: true,
             depth_blend: 0.05,
-            clamp: true,
+            clamp: false,
             lights: 4,
             continuations: 3,
             grid_side: 48,

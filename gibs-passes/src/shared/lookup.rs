@@ -12,6 +12,12 @@ pub const DEPTH_SIDE: u32 = 4;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 pub const SQUASH: f32 = 2.0;
 
+/// Weight of a surfel at its own centre. With 2, a point is covered (weight 1) by one surfel up to 0.54 of its radius.
+pub const PEAK: f32 = 2.0;
+
+/// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
+pub const AVERAGE_OF: usize = 16;
+
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 pub const LEAST_VARIANCE: f32 = 1e-4;
 
@@ -73,13 +79,13 @@ pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     chebyshev(depth_moments(depth, clamped), distance / (2.0 * pose.radius))
 }
 
-/// Distance factor: 1 at the centre, 0 at the radius, smooth at both.
+/// Distance factor: [`PEAK`] at the centre, 0 at the radius, smooth at both.
 #[inline]
 pub fn falloff(d: Vec3, pose: &SurfelPose) -> f32 {
     let h = d.dot(pose.normal);
     let squared = (d.dot(d) + (SQUASH * SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
     let k = (1.0 - squared).max(0.0);
-    k * k
+    PEAK * k * k
 }
 
 /// Normal factor of a surfel for a point.
@@ -152,7 +158,7 @@ pub fn gather(
         g.weight = 1.0;
         return g;
     }
-    for &id in entries {
+    for &id in &entries[..entries.len().min(AVERAGE_OF)] {
         let id = id as usize;
         let pose = &s.poses[id];
         let mut weight = alignment(normal, pose);

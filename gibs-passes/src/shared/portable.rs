@@ -28,9 +28,9 @@ pub fn log2(x: f32) -> f32 {
     }
     let t = (mantissa - 1.0) / (mantissa + 1.0);
     let t2 = t * t;
-    let series = t * (1.0 + t2 * (0.333_333_34 + t2 * (0.2 + t2 * (0.142_857_15 + t2 * 0.111_111_11))));
+    let series = 1.0 + t2 * (0.333_333_34 + t2 * (0.2 + t2 * (0.142_857_15 + t2 * 0.111_111_11)));
     // 2 / ln 2, from ln m = 2 artanh t.
-    exponent + 2.885_39 * series
+    exponent + (2.885_39 * t) * series
 }
 
 #[cfg(test)]

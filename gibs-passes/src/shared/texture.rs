@@ -70,7 +70,7 @@ pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Ve
 
 #[inline]
 fn mapped(row: Vec3, uv: Vec2) -> f32 {
-    row.x * uv.x + row.y * uv.y + row.z
+    row.x * uv.x + (row.y * uv.y + row.z)
 }
 
 /// Albedo and coverage of a material.
