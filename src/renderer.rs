@@ -94,9 +94,16 @@ pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
 ///
 /// # Errors
 /// [`RenderError::Graph`].
-pub fn schedule(scene: &DeviceScene, size: [u32; 2], settings: &Settings) -> Result<Schedule, RenderError> {
+pub fn schedule(
+    scene: &DeviceScene,
+    view: &View,
+    size: [u32; 2],
+    settings: &Settings,
+) -> Result<Schedule, RenderError> {
     let mut g = Graph::new("surfels");
-    surfel_frame(&mut g, &SurfelFrame { size, settings: settings.clone() }, &SceneSizes::of(scene));
+    let pixel_angle = FrameUpdate { camera: &view.camera, size, number: 0, seed: 0 }.pixel_angle();
+    let frame = SurfelFrame { size, pixel_angle, settings: settings.clone() };
+    surfel_frame(&mut g, &frame, &SceneSizes::of(scene));
     Ok(compile(g)?)
 }
 
@@ -115,7 +122,7 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         check_size(size)?;
         let scene = device_scene(scene, view)?;
-        let schedule = schedule(&scene, size, settings)?;
+        let schedule = schedule(&scene, view, size, settings)?;
         let mut exec = backend.prepare(Arc::new(schedule), None)?;
         upload_scene(exec.as_mut(), &scene)?;
         Ok(Self { exec, scene, view: view.clone(), settings: settings.clone(), size, seed, frame: 0 })

@@ -85,7 +85,9 @@ impl CpuExecutable {
         match &step.action {
             Action::Clear(resource) => {
                 let memory = self.allocations[*resource as usize].current.bytes_mut();
-                memory.par_chunks_mut(1 << 20).for_each(|chunk| chunk.fill(0));
+                memory
+                    .par_chunks_mut(1 << 20)
+                    .for_each(|chunk| chunk.fill(0));
                 Ok(())
             }
             Action::Dispatch(dispatch) => self.dispatch(&step.label, dispatch),
@@ -103,7 +105,9 @@ impl CpuExecutable {
                 [args.x, args.y, args.z]
             }
         };
-        let total = groups.iter().try_fold(1, |total: u32, &n| total.checked_mul(n));
+        let total = groups
+            .iter()
+            .try_fold(1, |total: u32, &n| total.checked_mul(n));
         match total {
             _ if groups.contains(&0) => Ok((groups, 0)),
             Some(total) if groups.iter().all(|&n| n <= MAX_GROUPS) => Ok((groups, total)),
@@ -146,7 +150,11 @@ impl CpuExecutable {
         let shuffle = self.options.checked;
         let run = |i: u32| {
             let i = if shuffle { shuffled(i, total) } else { i };
-            let id = [i % count[0], i / count[0] % count[1], i / count[0] / count[1]];
+            let id = [
+                i % count[0],
+                i / count[0] % count[1],
+                i / count[0] / count[1],
+            ];
             kernel(&views, Workgroup { id, count, size });
         };
         match total {

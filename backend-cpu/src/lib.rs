@@ -55,9 +55,16 @@ impl CpuBackend {
             ray_query: false,
             max_binding: isize::MAX as u64,
             max_storage_buffers: u32::MAX,
-            notes: vec![format!("{} threads", pool.current_num_threads()), simd().into()],
+            notes: vec![
+                format!("{} threads", pool.current_num_threads()),
+                simd().into(),
+            ],
         };
-        Ok(Self { options, pool: Arc::new(pool), device })
+        Ok(Self {
+            options,
+            pool: Arc::new(pool),
+            device,
+        })
     }
 }
 
@@ -77,12 +84,23 @@ impl Backend for CpuBackend {
     ) -> Result<Box<dyn Executable>, BackendError> {
         let old = match adopt {
             None => None,
-            Some(old) => match (old.into_any() as Box<dyn Any>).downcast::<executable::CpuExecutable>() {
-                Ok(old) => Some(*old),
-                Err(_) => return Err(BackendError::ForeignExecutable { backend: "cpu".into() }),
-            },
+            Some(old) => {
+                match (old.into_any() as Box<dyn Any>).downcast::<executable::CpuExecutable>() {
+                    Ok(old) => Some(*old),
+                    Err(_) => {
+                        return Err(BackendError::ForeignExecutable {
+                            backend: "cpu".into(),
+                        });
+                    }
+                }
+            }
         };
-        Ok(Box::new(executable::CpuExecutable::new(schedule, Arc::clone(&self.pool), self.options, old)?))
+        Ok(Box::new(executable::CpuExecutable::new(
+            schedule,
+            Arc::clone(&self.pool),
+            self.options,
+            old,
+        )?))
     }
 }
 

@@ -21,7 +21,9 @@ impl Memory {
         };
         let bytes = usize::try_from(resource.bytes).map_err(|_| oom())?;
         let mut blocks = Vec::new();
-        blocks.try_reserve_exact(bytes.div_ceil(64)).map_err(|_| oom())?;
+        blocks
+            .try_reserve_exact(bytes.div_ceil(64))
+            .map_err(|_| oom())?;
         blocks.resize(bytes.div_ceil(64), Block([0; 64]));
         Ok(Self { blocks, bytes })
     }
@@ -49,7 +51,10 @@ impl Allocation {
             Kind::History(_) => Some(Memory::zeroed(resource)?),
             _ => None,
         };
-        let mut made = Self { current: Memory::zeroed(resource)?, previous };
+        let mut made = Self {
+            current: Memory::zeroed(resource)?,
+            previous,
+        };
         made.reset(&resource.kind);
         Ok(made)
     }

@@ -42,7 +42,14 @@ mod tests {
             a
         };
         let prime = 2_654_435_761_u32;
-        for total in [prime - 1, prime, prime + 1, u32::MAX - 1, u32::MAX, 65_535 * 65_535] {
+        for total in [
+            prime - 1,
+            prime,
+            prime + 1,
+            u32::MAX - 1,
+            u32::MAX,
+            65_535 * 65_535,
+        ] {
             let total_ = u64::from(total);
             let stride = u64::from(shuffled(1, total)) + total_ - u64::from(shuffled(0, total));
             assert_eq!(gcd(stride % total_, total_), 1, "{total}");
@@ -54,9 +61,8 @@ mod tests {
     #[test]
     fn neighbours_in_turn_stand_apart() {
         for total in [64_u32, 100, 1000, 65_536] {
-            let apart = (1..total).filter(|&turn| {
-                shuffled(turn, total).abs_diff(shuffled(turn - 1, total)) > 1
-            });
+            let apart = (1..total)
+                .filter(|&turn| shuffled(turn, total).abs_diff(shuffled(turn - 1, total)) > 1);
             assert_eq!(apart.count() as u32, total - 1, "{total}");
         }
     }

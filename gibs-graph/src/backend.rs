@@ -38,7 +38,12 @@ pub trait Executable: Any {
     ///
     /// # Errors
     /// Out of range, or the device failed.
-    fn upload(&mut self, resource: ResourceId, offset: u64, bytes: &[u8]) -> Result<(), BackendError>;
+    fn upload(
+        &mut self,
+        resource: ResourceId,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<(), BackendError>;
 
     /// Runs one frame.
     ///
@@ -150,7 +155,9 @@ pub enum BackendError {
         message: String,
     },
     /// Memory ran out.
-    #[error("out of memory on `{device}` allocating {bytes} bytes for `{resource}`; use fewer surfels, a smaller size or another backend")]
+    #[error(
+        "out of memory on `{device}` allocating {bytes} bytes for `{resource}`; use fewer surfels, a smaller size or another backend"
+    )]
     OutOfMemory {
         /// Device.
         device: String,
@@ -201,9 +208,19 @@ pub enum BackendError {
 ///
 /// # Errors
 /// [`BackendError::Range`].
-pub fn check_range(schedule: &Schedule, resource: ResourceId, offset: u64, len: usize) -> Result<(), BackendError> {
+pub fn check_range(
+    schedule: &Schedule,
+    resource: ResourceId,
+    offset: u64,
+    len: usize,
+) -> Result<(), BackendError> {
     let Some(found) = schedule.resources.get(resource as usize) else {
-        return Err(BackendError::Range { resource: format!("#{resource}"), bytes: 0, offset, end: offset });
+        return Err(BackendError::Range {
+            resource: format!("#{resource}"),
+            bytes: 0,
+            offset,
+            end: offset,
+        });
     };
     match offset.checked_add(len as u64) {
         Some(end) if end <= found.bytes => Ok(()),

@@ -121,7 +121,11 @@ primitive! {
 
 impl<T: Element, const N: usize> Element for [T; N] {
     fn layout() -> Layout {
-        Layout::Array { element: Box::new(T::layout()), count: N as u32, stride: size_of::<T>() as u32 }
+        Layout::Array {
+            element: Box::new(T::layout()),
+            count: N as u32,
+            stride: size_of::<T>() as u32,
+        }
     }
 }
 
@@ -195,11 +199,20 @@ pub struct DispatchArgs {
 
 impl Element for DispatchArgs {
     fn layout() -> Layout {
-        let field = |name: &str, offset| Field { name: name.into(), offset, layout: u32::layout() };
+        let field = |name: &str, offset| Field {
+            name: name.into(),
+            offset,
+            layout: u32::layout(),
+        };
         Layout::Struct {
             name: "DispatchArgs".into(),
             size: 16,
-            fields: vec![field("x", 0), field("y", 4), field("z", 8), field("count", 12)],
+            fields: vec![
+                field("x", 0),
+                field("y", 4),
+                field("z", 8),
+                field("count", 12),
+            ],
         }
     }
 }

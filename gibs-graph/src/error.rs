@@ -7,7 +7,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum GraphError {
     /// A handle of one graph was used in another.
-    #[error("stage `{stage}`, port `{port}`: the handle belongs to another graph; make it with this graph's methods")]
+    #[error(
+        "stage `{stage}`, port `{port}`: the handle belongs to another graph; make it with this graph's methods"
+    )]
     ForeignHandle {
         /// Stage.
         stage: String,
@@ -15,7 +17,9 @@ pub enum GraphError {
         port: String,
     },
     /// A transient or the new value of a history is read, kept or an output before any stage wrote it.
-    #[error("stage `{stage}`, port `{port}` reads `{resource}`, which no stage has written; write it first, or declare it zeroed")]
+    #[error(
+        "stage `{stage}`, port `{port}` reads `{resource}`, which no stage has written; write it first, or declare it zeroed"
+    )]
     Uninitialized {
         /// Stage.
         stage: String,
@@ -25,7 +29,9 @@ pub enum GraphError {
         resource: String,
     },
     /// A stage writes what only the host may write.
-    #[error("stage `{stage}`, port `{port}` writes `{resource}`, which is an input; copy it or declare a state")]
+    #[error(
+        "stage `{stage}`, port `{port}` writes `{resource}`, which is an input; copy it or declare a state"
+    )]
     WritesInput {
         /// Stage.
         stage: String,
@@ -35,7 +41,9 @@ pub enum GraphError {
         resource: String,
     },
     /// One resource is bound twice and one of the ports writes it.
-    #[error("stage `{stage}` binds `{resource}` to `{first}` and `{second}`, and writes it; bind it once as read_write")]
+    #[error(
+        "stage `{stage}` binds `{resource}` to `{first}` and `{second}`, and writes it; bind it once as read_write"
+    )]
     Aliased {
         /// Stage.
         stage: String,
@@ -53,7 +61,9 @@ pub enum GraphError {
         state: String,
     },
     /// A state was kept with a version of something else.
-    #[error("state `{state}` was kept with a version of `{kept}`; pass the version that came out of its own stages")]
+    #[error(
+        "state `{state}` was kept with a version of `{kept}`; pass the version that came out of its own stages"
+    )]
     WrongState {
         /// State.
         state: String,
@@ -61,7 +71,9 @@ pub enum GraphError {
         kept: String,
     },
     /// An output or a kept version is overwritten later in the frame.
-    #[error("`{resource}` is read by the host or kept at version {version}, but a later stage writes it again; use its last version")]
+    #[error(
+        "`{resource}` is read by the host or kept at version {version}, but a later stage writes it again; use its last version"
+    )]
     NotLast {
         /// Resource.
         resource: String,
@@ -87,7 +99,9 @@ pub enum GraphError {
         label: String,
     },
     /// An initial value does not fit the element.
-    #[error("state `{state}`: its initial value has {got} bytes, an element has {want}; make it with Initial::fill from one element")]
+    #[error(
+        "state `{state}`: its initial value has {got} bytes, an element has {want}; make it with Initial::fill from one element"
+    )]
     InitialSize {
         /// State.
         state: String,
@@ -105,7 +119,9 @@ pub enum GraphError {
         groups: [u32; 3],
     },
     /// A uniform element has a size that WGSL does not allow.
-    #[error("stage `{stage}`, port `{port}`: `{element}` has {size} bytes; a uniform has a multiple of 16, at most 65536; pad the struct or bind it as read")]
+    #[error(
+        "stage `{stage}`, port `{port}`: `{element}` has {size} bytes; a uniform has a multiple of 16, at most 65536; pad the struct or bind it as read"
+    )]
     UniformSize {
         /// Stage.
         stage: String,
@@ -127,7 +143,9 @@ pub enum GraphError {
         message: String,
     },
     /// The stages depend on each other in a circle.
-    #[error("stage `{stage}` depends on itself through other stages; give one of them a resource of its own to write")]
+    #[error(
+        "stage `{stage}` depends on itself through other stages; give one of them a resource of its own to write"
+    )]
     Cycle {
         /// One stage of the circle.
         stage: String,

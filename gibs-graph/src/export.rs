@@ -21,7 +21,11 @@ impl Schedule {
             groups[n].1.push(i);
         }
         for (n, (group, steps)) in groups.iter().enumerate() {
-            let _ = writeln!(dot, "  subgraph cluster_{n} {{\n    label={};", quoted(group));
+            let _ = writeln!(
+                dot,
+                "  subgraph cluster_{n} {{\n    label={};",
+                quoted(group)
+            );
             for &i in steps {
                 let _ = writeln!(dot, "    s{i} [label={}];", quoted(&self.steps[i].label));
             }
@@ -57,8 +61,12 @@ impl Schedule {
             let _ = write!(text, "{i:3} {barrier} {:<40}", step.label);
             if let Action::Dispatch(dispatch) = &step.action {
                 let _ = match dispatch.size {
-                    DispatchSize::Groups([x, y, z]) => write!(text, " {:>12}", format!("{x}x{y}x{z}")),
-                    DispatchSize::Indirect(r) => write!(text, " {:>12}", self.resources[r as usize].key),
+                    DispatchSize::Groups([x, y, z]) => {
+                        write!(text, " {:>12}", format!("{x}x{y}x{z}"))
+                    }
+                    DispatchSize::Indirect(r) => {
+                        write!(text, " {:>12}", self.resources[r as usize].key)
+                    }
                 };
                 for binding in &dispatch.bindings {
                     let mark = match binding.access {
@@ -71,7 +79,11 @@ impl Schedule {
                         Access::HostOnly => "h",
                         Access::Indirect => "i",
                     };
-                    let _ = write!(text, " {mark}:{}", self.resources[binding.resource as usize].key);
+                    let _ = write!(
+                        text,
+                        " {mark}:{}",
+                        self.resources[binding.resource as usize].key
+                    );
                 }
             }
             text.push('\n');

@@ -1,6 +1,9 @@
 //! Recording a frame: resources and stages.
 use crate::handle::GraphToken;
-use crate::{Access, Buffer, DispatchArgs, Element, GraphError, KernelSource, Layout, Port, Previous, Stage, State};
+use crate::{
+    Access, Buffer, DispatchArgs, Element, GraphError, KernelSource, Layout, Port, Previous, Stage,
+    State,
+};
 use serde::Serialize;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -70,7 +73,9 @@ impl Initial {
     pub fn bytes(&self, bytes: usize) -> Vec<u8> {
         match self {
             Initial::Zero => vec![0; bytes],
-            Initial::Sequence => (0..bytes / 4).flat_map(|i| (i as u32).to_ne_bytes()).collect(),
+            Initial::Sequence => (0..bytes / 4)
+                .flat_map(|i| (i as u32).to_ne_bytes())
+                .collect(),
             Initial::Fill(element) => element.iter().copied().cycle().take(bytes).collect(),
         }
     }
@@ -155,9 +160,21 @@ impl Graph {
     }
 
     /// A buffer that outlives the frame and changes in place. [`Graph::keep`] names its last version.
-    pub fn state<T: Element>(&mut self, key: &str, len: u64, initial: Initial) -> (State<T>, Buffer<T>) {
+    pub fn state<T: Element>(
+        &mut self,
+        key: &str,
+        len: u64,
+        initial: Initial,
+    ) -> (State<T>, Buffer<T>) {
         let buffer = self.declare(key, Kind::State(initial), len);
-        (State { token: self.token, resource: buffer.resource, element: PhantomData }, buffer)
+        (
+            State {
+                token: self.token,
+                resource: buffer.resource,
+                element: PhantomData,
+            },
+            buffer,
+        )
     }
 
     /// A buffer that outlives the frame, with the value of the frame before beside the new one. The new one starts
@@ -169,15 +186,27 @@ impl Graph {
         initial: Initial,
     ) -> (State<T>, Previous<T>, Buffer<T>) {
         let buffer = self.declare(key, Kind::History(initial), len);
-        let state = State { token: self.token, resource: buffer.resource, element: PhantomData };
-        let previous = Previous { token: self.token, resource: buffer.resource, len, element: PhantomData };
+        let state = State {
+            token: self.token,
+            resource: buffer.resource,
+            element: PhantomData,
+        };
+        let previous = Previous {
+            token: self.token,
+            resource: buffer.resource,
+            len,
+            element: PhantomData,
+        };
         (state, previous, buffer)
     }
 
     /// Makes `last` what the next frame starts from.
     pub fn keep<T: Element>(&mut self, state: State<T>, last: Buffer<T>) {
         if state.token != self.token || last.token != self.token {
-            self.errors.push(GraphError::ForeignHandle { stage: "keep".into(), port: "state".into() });
+            self.errors.push(GraphError::ForeignHandle {
+                stage: "keep".into(),
+                port: "state".into(),
+            });
         } else if state.resource != last.resource {
             self.errors.push(GraphError::WrongState {
                 state: self.resources[state.resource as usize].key.clone(),
@@ -192,15 +221,27 @@ impl Graph {
     /// version of its resource in the frame.
     pub fn output<T: Element>(&mut self, name: &str, buffer: &Buffer<T>) {
         if buffer.token != self.token {
-            self.errors.push(GraphError::ForeignHandle { stage: "output".into(), port: name.into() });
+            self.errors.push(GraphError::ForeignHandle {
+                stage: "output".into(),
+                port: name.into(),
+            });
             return;
         }
-        self.outputs.push(OutputDecl { name: name.into(), resource: buffer.resource, version: buffer.version });
+        self.outputs.push(OutputDecl {
+            name: name.into(),
+            resource: buffer.resource,
+            version: buffer.version,
+        });
     }
 
     /// Adds a stage. `label` is its name in the frame, such as `persistent/ray_trace`; what stands before the slash
     /// is its group.
-    pub fn add<S: Stage>(&mut self, label: &str, inputs: S::Inputs<'_>, dispatch: Dispatch<'_>) -> S::Outputs {
+    pub fn add<S: Stage>(
+        &mut self,
+        label: &str,
+        inputs: S::Inputs<'_>,
+        dispatch: Dispatch<'_>,
+    ) -> S::Outputs {
         let kernel = S::kernel();
         let token = self.token;
         let mut bindings = Vec::new();
@@ -210,13 +251,24 @@ impl Graph {
                 DispatchDecl::Groups(groups_for(count, kernel.workgroup.iter().product()))
             }
             Dispatch::Indirect(args) => {
-                let mut recorder =
-                    Recorder { token, stage: label, bindings: &mut bindings, errors: &mut self.errors };
+                let mut recorder = Recorder {
+                    token,
+                    stage: label,
+                    bindings: &mut bindings,
+                    errors: &mut self.errors,
+                };
                 recorder.read(args, "(indirect)", Access::Indirect);
-                DispatchDecl::Indirect { resource: args.resource }
+                DispatchDecl::Indirect {
+                    resource: args.resource,
+                }
             }
         };
-        let mut recorder = Recorder { token, stage: label, bindings: &mut bindings, errors: &mut self.errors };
+        let mut recorder = Recorder {
+            token,
+            stage: label,
+            bindings: &mut bindings,
+            errors: &mut self.errors,
+        };
         let outputs = S::bind(&mut recorder, inputs);
         self.stages.push(StageDecl {
             label: label.into(),
@@ -239,7 +291,13 @@ impl Graph {
             len: len.max(1),
             kept: None,
         });
-        Buffer { token: self.token, resource, version: 0, len: len.max(1), element: PhantomData }
+        Buffer {
+            token: self.token,
+            resource,
+            version: 0,
+            len: len.max(1),
+            element: PhantomData,
+        }
     }
 }
 
@@ -274,9 +332,17 @@ impl Recorder<'_> {
         access: Access,
     ) {
         if token == self.token {
-            self.bindings.push(BindingDecl { port, resource, version, access });
+            self.bindings.push(BindingDecl {
+                port,
+                resource,
+                version,
+                access,
+            });
         } else {
-            self.errors.push(GraphError::ForeignHandle { stage: self.stage.into(), port: port.into() });
+            self.errors.push(GraphError::ForeignHandle {
+                stage: self.stage.into(),
+                port: port.into(),
+            });
         }
     }
 }

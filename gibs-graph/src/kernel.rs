@@ -54,7 +54,8 @@ impl Workgroup {
 
     /// Indices of a one-dimensional dispatch that this workgroup owns, at most `count`.
     pub fn range(&self, count: u32) -> std::ops::Range<usize> {
-        let first = (u64::from(self.linear()) * u64::from(self.lanes())).min(u64::from(count)) as usize;
+        let first =
+            (u64::from(self.linear()) * u64::from(self.lanes())).min(u64::from(count)) as usize;
         let last = (first + self.lanes() as usize).min(count as usize);
         first..last
     }

@@ -31,8 +31,8 @@ pub use handle::{Buffer, Previous, State};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
 pub use port::{Access, Port};
 pub use schedule::{
-    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Output, Resource, ResourceId, Schedule, Step,
-    Usage,
+    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Output, Resource, ResourceId,
+    Schedule, Step, Usage,
 };
 pub use shader::ShaderCompiler;
 pub use stage::{Stage, next_view};

@@ -166,12 +166,18 @@ pub struct Output {
 impl Schedule {
     /// The resource with this key.
     pub fn resource(&self, key: &str) -> Option<ResourceId> {
-        self.resources.iter().position(|r| r.key == key).map(|i| i as ResourceId)
+        self.resources
+            .iter()
+            .position(|r| r.key == key)
+            .map(|i| i as ResourceId)
     }
 
     /// The resource behind an output.
     pub fn output(&self, name: &str) -> Option<ResourceId> {
-        self.outputs.iter().find(|o| o.name == name).map(|o| o.resource)
+        self.outputs
+            .iter()
+            .find(|o| o.name == name)
+            .map(|o| o.resource)
     }
 
     /// Bytes that a backend allocates for this schedule; with wide CPU data only where `host` is set.
@@ -179,21 +185,31 @@ impl Schedule {
         self.resources
             .iter()
             .filter(|r| r.usage.on_device() || host)
-            .map(|r| r.bytes.saturating_mul(if matches!(r.kind, Kind::History(_)) { 2 } else { 1 }))
+            .map(|r| {
+                r.bytes
+                    .saturating_mul(if matches!(r.kind, Kind::History(_)) {
+                        2
+                    } else {
+                        1
+                    })
+            })
             .fold(0, u64::saturating_add)
     }
 
     /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind with its initial
     /// value, type and length agree.
     pub fn adoptions(&self, old: &Schedule) -> Vec<(ResourceId, ResourceId)> {
-        let before: HashMap<&str, (ResourceId, &Resource)> =
-            (0..).zip(&old.resources).map(|(id, r)| (r.key.as_str(), (id, r))).collect();
+        let before: HashMap<&str, (ResourceId, &Resource)> = (0..)
+            .zip(&old.resources)
+            .map(|(id, r)| (r.key.as_str(), (id, r)))
+            .collect();
         (0..)
             .zip(&self.resources)
             .filter(|(_, new)| new.kind.persists())
             .filter_map(|(id, new)| {
                 let &(from, old) = before.get(new.key.as_str())?;
-                let agrees = old.kind == new.kind && old.element == new.element && old.len == new.len;
+                let agrees =
+                    old.kind == new.kind && old.element == new.element && old.len == new.len;
                 agrees.then_some((from, id))
             })
             .collect()
@@ -201,10 +217,13 @@ impl Schedule {
 
     /// The dispatch steps, with their index.
     pub fn dispatches(&self) -> impl Iterator<Item = (usize, &Step, &DispatchStep)> {
-        self.steps.iter().enumerate().filter_map(|(i, step)| match &step.action {
-            Action::Dispatch(dispatch) => Some((i, step, dispatch.as_ref())),
-            Action::Clear(_) => None,
-        })
+        self.steps
+            .iter()
+            .enumerate()
+            .filter_map(|(i, step)| match &step.action {
+                Action::Dispatch(dispatch) => Some((i, step, dispatch.as_ref())),
+                Action::Clear(_) => None,
+            })
     }
 }
 
@@ -222,7 +241,8 @@ impl Step {
         match &self.action {
             Action::Clear(resource) => vec![(*resource, Access::Write)],
             Action::Dispatch(d) => {
-                let mut touched: Vec<_> = d.bindings.iter().map(|b| (b.resource, b.access)).collect();
+                let mut touched: Vec<_> =
+                    d.bindings.iter().map(|b| (b.resource, b.access)).collect();
                 if let DispatchSize::Indirect(resource) = d.size {
                     touched.push((resource, Access::Indirect));
                 }

@@ -8,5 +8,10 @@ pub trait ShaderCompiler {
     ///
     /// # Errors
     /// Every mismatch, as [`GraphError::Shader`].
-    fn check(&self, stage: &str, kernel: &KernelSource, ports: &[Port]) -> Result<(), Vec<GraphError>>;
+    fn check(
+        &self,
+        stage: &str,
+        kernel: &KernelSource,
+        ports: &[Port],
+    ) -> Result<(), Vec<GraphError>>;
 }

@@ -176,13 +176,27 @@ macro_rules! __stage_view {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __stage_access {
-    (uniform) => { $crate::Access::Uniform };
-    (read) => { $crate::Access::Read };
-    (host_only) => { $crate::Access::HostOnly };
-    (previous) => { $crate::Access::Previous };
-    (write) => { $crate::Access::Write };
-    (read_write) => { $crate::Access::ReadWrite };
-    (atomic) => { $crate::Access::Atomic };
+    (uniform) => {
+        $crate::Access::Uniform
+    };
+    (read) => {
+        $crate::Access::Read
+    };
+    (host_only) => {
+        $crate::Access::HostOnly
+    };
+    (previous) => {
+        $crate::Access::Previous
+    };
+    (write) => {
+        $crate::Access::Write
+    };
+    (read_write) => {
+        $crate::Access::ReadWrite
+    };
+    (atomic) => {
+        $crate::Access::Atomic
+    };
 }
 
 #[doc(hidden)]
@@ -208,10 +222,18 @@ macro_rules! __stage_bind_view {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __stage_record {
-    (write $r:ident, $handle:expr, $port:expr) => { $r.write($handle, $port, $crate::Access::Write) };
-    (read_write $r:ident, $handle:expr, $port:expr) => { $r.write($handle, $port, $crate::Access::ReadWrite) };
-    (atomic $r:ident, $handle:expr, $port:expr) => { $r.write($handle, $port, $crate::Access::Atomic) };
-    (previous $r:ident, $handle:expr, $port:expr) => { $r.previous($handle, $port) };
+    (write $r:ident, $handle:expr, $port:expr) => {
+        $r.write($handle, $port, $crate::Access::Write)
+    };
+    (read_write $r:ident, $handle:expr, $port:expr) => {
+        $r.write($handle, $port, $crate::Access::ReadWrite)
+    };
+    (atomic $r:ident, $handle:expr, $port:expr) => {
+        $r.write($handle, $port, $crate::Access::Atomic)
+    };
+    (previous $r:ident, $handle:expr, $port:expr) => {
+        $r.previous($handle, $port)
+    };
     ($access:ident $r:ident, $handle:expr, $port:expr) => {
         $r.read($handle, $port, $crate::__stage_access!($access))
     };
@@ -256,14 +278,25 @@ macro_rules! __stage_result {
 
 /// The next binding of a kernel; the executor passes exactly one per port.
 #[doc(hidden)]
-pub fn next_view<'a>(views: &mut impl Iterator<Item = crate::RawView<'a>>, port: &str) -> crate::RawView<'a> {
-    views.next().unwrap_or_else(|| panic!("the executor passed no binding for port {port}"))
+pub fn next_view<'a>(
+    views: &mut impl Iterator<Item = crate::RawView<'a>>,
+    port: &str,
+) -> crate::RawView<'a> {
+    views
+        .next()
+        .unwrap_or_else(|| panic!("the executor passed no binding for port {port}"))
 }
 
 impl Recorder<'_> {
     /// Binds a port that reads.
     pub fn read<T: Element>(&mut self, handle: &Buffer<T>, port: &'static str, access: Access) {
-        self.bind(handle.token, handle.resource, Some(handle.version), port, access);
+        self.bind(
+            handle.token,
+            handle.resource,
+            Some(handle.version),
+            port,
+            access,
+        );
     }
 
     /// Binds a port that reads the value of the frame before.
@@ -272,8 +305,22 @@ impl Recorder<'_> {
     }
 
     /// Binds a port that writes, and gives the version that it makes.
-    pub fn write<T: Element>(&mut self, handle: Buffer<T>, port: &'static str, access: Access) -> Buffer<T> {
-        self.bind(handle.token, handle.resource, Some(handle.version), port, access);
-        Buffer { version: handle.version + 1, ..handle }
+    pub fn write<T: Element>(
+        &mut self,
+        handle: Buffer<T>,
+        port: &'static str,
+        access: Access,
+    ) -> Buffer<T> {
+        self.bind(
+            handle.token,
+            handle.resource,
+            Some(handle.version),
+            port,
+            access,
+        );
+        Buffer {
+            version: handle.version + 1,
+            ..handle
+        }
     }
 }

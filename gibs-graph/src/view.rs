@@ -2,7 +2,8 @@
 //!
 //! # The rule
 //! Workgroups of a stage run at the same time. Two workgroups never touch the same element of a [`WriteView`] unless
-//! both only read it. The executor's debug mode checks this with a [`WriteMap`]; [`AtomicView`] is free of the rule.
+//! both only read it. The executor's debug mode finds elements that two workgroups write with a [`WriteMap`]; one that
+//! reads what another one writes shows as a result that depends on the order. [`AtomicView`] is free of the rule.
 //! A resource is bound at most once per stage when any port writes it (graph compilation checks this), so views of
 //! one stage never overlap.
 use crate::Element;
@@ -33,7 +34,12 @@ impl<'a> RawView<'a> {
     /// The memory is valid for reads and, where a writing view is made from it, writes for `'a`, aligned to 64 bytes,
     /// initialized, and touched by nothing but views made from this value (and copies of it) during `'a`.
     pub unsafe fn new(ptr: *mut u8, bytes: usize, map: Option<&'a WriteMap>) -> Self {
-        Self { ptr, bytes, map, life: PhantomData }
+        Self {
+            ptr,
+            bytes,
+            map,
+            life: PhantomData,
+        }
     }
 
     fn len_of<T>(&self) -> usize {
@@ -84,7 +90,12 @@ pub struct WriteView<'a, T> {
 impl<'a, T: Element> WriteView<'a, T> {
     /// A view of the whole binding for the workgroup with linear index `group`.
     pub fn of(raw: RawView<'a>, group: u32) -> Self {
-        Self { len: raw.len_of::<T>(), raw, group, element: PhantomData }
+        Self {
+            len: raw.len_of::<T>(),
+            raw,
+            group,
+            element: PhantomData,
+        }
     }
 
     /// Number of elements.
@@ -139,7 +150,11 @@ impl<'a, T: Element> WriteView<'a, T> {
     #[inline]
     #[track_caller]
     fn check(&self, index: usize) {
-        assert!(index < self.len, "index {index} of a buffer of {}", self.len);
+        assert!(
+            index < self.len,
+            "index {index} of a buffer of {}",
+            self.len
+        );
     }
 }
 
@@ -152,7 +167,9 @@ impl<'a> AtomicView<'a> {
     /// A view of the whole binding.
     pub fn of(raw: RawView<'a>) -> Self {
         // SAFETY: the memory is valid and initialized for 'a, aligned, and only touched through atomics during 'a.
-        Self(unsafe { std::slice::from_raw_parts(raw.ptr.cast::<AtomicU32>(), raw.len_of::<u32>()) })
+        Self(unsafe {
+            std::slice::from_raw_parts(raw.ptr.cast::<AtomicU32>(), raw.len_of::<u32>())
+        })
     }
 
     /// Adds, wrapping, and returns the value before.

@@ -3,7 +3,9 @@
 mod common;
 
 use common::*;
-use gibs_graph::{Buffer, Dispatch, Graph, GraphError, Initial, KernelSource, MAX_GROUPS, Port, ShaderCompiler};
+use gibs_graph::{
+    Buffer, Dispatch, Graph, GraphError, Initial, KernelSource, MAX_GROUPS, Port, ShaderCompiler,
+};
 
 const LEN: u64 = 100;
 
@@ -13,13 +15,27 @@ fn all() -> Dispatch<'static> {
 
 /// The messages of a graph that does not compile.
 fn messages(graph: Graph) -> Vec<String> {
-    graph.compile(None).unwrap_err().errors.iter().map(ToString::to_string).collect()
+    graph
+        .compile(None)
+        .unwrap_err()
+        .errors
+        .iter()
+        .map(ToString::to_string)
+        .collect()
 }
 
 /// A stage `fill` that writes `target`.
 fn fill(g: &mut Graph, label: &str, target: Buffer<u32>) -> Buffer<u32> {
     let source = g.input(&format!("source of {label}"), LEN);
-    g.add::<pass::Pass>(label, pass::Inputs { source: &source, target }, all()).target
+    g.add::<pass::Pass>(
+        label,
+        pass::Inputs {
+            source: &source,
+            target,
+        },
+        all(),
+    )
+    .target
 }
 
 #[test]
@@ -30,7 +46,10 @@ fn a_handle_of_another_graph() {
     let (foreign_state, foreign_value) = other.state::<u32>("state", LEN, Initial::Zero);
     let mut g = Graph::new("test");
     let target = g.transient("target", LEN);
-    let inputs = pass::Inputs { source: &foreign, target };
+    let inputs = pass::Inputs {
+        source: &foreign,
+        target,
+    };
     let made = g.add::<pass::Pass>("draw/copy", inputs, Dispatch::Indirect(&foreign_args));
     g.output("result", &made.target);
     g.output("theirs", &foreign);
@@ -51,17 +70,41 @@ fn a_read_before_any_write() {
     let mut g = Graph::new("test");
     let source = g.transient("nothing", LEN);
     let target = g.transient("target", LEN);
-    let made = g.add::<pass::Pass>("draw/copy", pass::Inputs { source: &source, target }, all());
+    let made = g.add::<pass::Pass>(
+        "draw/copy",
+        pass::Inputs {
+            source: &source,
+            target,
+        },
+        all(),
+    );
     g.output("result", &made.target);
-    assert_eq!(messages(g), [format!("stage `draw/copy`, port `source` reads `nothing`, {remedy}")]);
+    assert_eq!(
+        messages(g),
+        [format!(
+            "stage `draw/copy`, port `source` reads `nothing`, {remedy}"
+        )]
+    );
 
     // Changing in place reads, too, and the new value of a history starts undefined.
     let mut g = Graph::new("test");
     let source = g.input("source", LEN);
     let (state, _, now) = g.history("past", LEN, Initial::Zero);
-    let made = g.add::<tally::Tally>("count", tally::Inputs { source: &source, target: now }, all());
+    let made = g.add::<tally::Tally>(
+        "count",
+        tally::Inputs {
+            source: &source,
+            target: now,
+        },
+        all(),
+    );
     g.keep(state, made.target);
-    assert_eq!(messages(g), [format!("stage `count`, port `target` reads `past`, {remedy}")]);
+    assert_eq!(
+        messages(g),
+        [format!(
+            "stage `count`, port `target` reads `past`, {remedy}"
+        )]
+    );
 
     // Nor can the host or the next frame start from it.
     let mut g = Graph::new("test");
@@ -82,8 +125,21 @@ fn what_starts_defined_may_be_read() {
     let source = g.zeroed("zeros", LEN);
     let (state, value) = g.state("state", LEN, Initial::Zero);
     let (past_state, before, now) = g.history("past", LEN, Initial::Zero);
-    let now = g.add::<recall::Recall>("recall", recall::Inputs { before: &before, target: now }, all()).target;
-    let inputs = merge::Inputs { first: &source, second: &now, target: value };
+    let now = g
+        .add::<recall::Recall>(
+            "recall",
+            recall::Inputs {
+                before: &before,
+                target: now,
+            },
+            all(),
+        )
+        .target;
+    let inputs = merge::Inputs {
+        first: &source,
+        second: &now,
+        target: value,
+    };
     let value = g.add::<merge::Merge>("merge", inputs, all()).target;
     g.output("result", &value);
     g.keep(state, value);
@@ -106,7 +162,10 @@ fn a_state_that_is_not_kept() {
     let mut g = Graph::new("test");
     let (_state, value) = g.state::<u32>("surfels", LEN, Initial::Zero);
     g.output("result", &value);
-    assert_eq!(messages(g), ["state `surfels` is never kept; pass its last version to `Graph::keep`"]);
+    assert_eq!(
+        messages(g),
+        ["state `surfels` is never kept; pass its last version to `Graph::keep`"]
+    );
 }
 
 #[test]
@@ -122,7 +181,10 @@ fn a_state_kept_with_something_else() {
         "state `second` was kept with a version of `first`; pass the version that came out of its own stages",
     ];
     for want in wants {
-        assert!(messages.iter().any(|message| message == want), "{messages:?}");
+        assert!(
+            messages.iter().any(|message| message == want),
+            "{messages:?}"
+        );
     }
 }
 
@@ -147,7 +209,10 @@ fn names_that_are_taken() {
     let target = g.transient("target", LEN);
     let target = fill(&mut g, "draw/fill", target);
     let other = g.transient("other", LEN);
-    let inputs = pass::Inputs { source: &target, target: other };
+    let inputs = pass::Inputs {
+        source: &target,
+        target: other,
+    };
     let _ = g.add::<pass::Pass>("draw/fill", inputs, all());
     let want = [
         "two resources are called `buffer`; give each its own",
@@ -162,8 +227,7 @@ fn an_initial_value_of_the_wrong_size() {
     let mut g = Graph::new("test");
     let (state, value) = g.state::<u32>("ages", LEN, Initial::fill([1_u32, 2]));
     g.keep(state, value);
-    let want =
-        "state `ages`: its initial value has 8 bytes, an element has 4; make it with Initial::fill from one element";
+    let want = "state `ages`: its initial value has 8 bytes, an element has 4; make it with Initial::fill from one element";
     assert_eq!(messages(g), [want]);
 }
 
@@ -173,13 +237,26 @@ fn too_many_workgroups() {
         let mut g = Graph::new("test");
         let source = g.input("source", LEN);
         let target = g.transient("target", LEN);
-        let made = g.add::<pass::Pass>("fill", pass::Inputs { source: &source, target }, size);
+        let made = g.add::<pass::Pass>(
+            "fill",
+            pass::Inputs {
+                source: &source,
+                target,
+            },
+            size,
+        );
         g.output("result", &made.target);
         g.compile(None).map_err(|errors| errors.errors)
     };
     let groups = [1, MAX_GROUPS + 1, 1];
     let error = compile(Dispatch::Groups(groups)).unwrap_err();
-    assert_eq!(error, [GraphError::DispatchSize { stage: "fill".into(), groups }]);
+    assert_eq!(
+        error,
+        [GraphError::DispatchSize {
+            stage: "fill".into(),
+            groups
+        }]
+    );
     let want = "stage `fill` asks for [1, 65536, 1] workgroups; at most 65535 along each axis and 2^32 - 1 in all; use \
                 Dispatch::Elements, which folds them, or larger workgroups";
     assert_eq!(error[0].to_string(), want);
@@ -198,7 +275,14 @@ fn a_uniform_of_a_size_that_wgsl_refuses() {
     let mut g = Graph::new("test");
     let config = g.input("config", 1);
     let target = g.transient("target", LEN);
-    let made = g.add::<small::Small>("draw", small::Inputs { config: &config, target }, all());
+    let made = g.add::<small::Small>(
+        "draw",
+        small::Inputs {
+            config: &config,
+            target,
+        },
+        all(),
+    );
     g.output("result", &made.target);
     let want = "stage `draw`, port `config`: `u32` has 4 bytes; a uniform has a multiple of 16, at most 65536; pad the \
                 struct or bind it as read";
@@ -209,11 +293,27 @@ fn a_uniform_of_a_size_that_wgsl_refuses() {
 struct Strict;
 
 impl ShaderCompiler for Strict {
-    fn check(&self, stage: &str, kernel: &KernelSource, ports: &[Port]) -> Result<(), Vec<GraphError>> {
+    fn check(
+        &self,
+        stage: &str,
+        kernel: &KernelSource,
+        ports: &[Port],
+    ) -> Result<(), Vec<GraphError>> {
         let port = Some(ports[0].name.into());
         let message = format!("`{}` has no global for it; declare one", kernel.wgsl.name);
-        let whole = GraphError::Shader { stage: stage.into(), port: None, message: "no entry point".into() };
-        Err(vec![GraphError::Shader { stage: stage.into(), port, message }, whole])
+        let whole = GraphError::Shader {
+            stage: stage.into(),
+            port: None,
+            message: "no entry point".into(),
+        };
+        Err(vec![
+            GraphError::Shader {
+                stage: stage.into(),
+                port,
+                message,
+            },
+            whole,
+        ])
     }
 }
 
@@ -228,7 +328,14 @@ fn a_kernel_that_does_not_match_its_ports() {
     let again = fill(&mut g, "draw/again", again);
     g.output("again", &again);
     let target = g.zeroed("dead", LEN);
-    let _ = g.add::<tally::Tally>("dead", tally::Inputs { source: &again, target }, all());
+    let _ = g.add::<tally::Tally>(
+        "dead",
+        tally::Inputs {
+            source: &again,
+            target,
+        },
+        all(),
+    );
     let errors = g.compile(Some(&Strict)).unwrap_err();
     let want = "the graph `test` cannot be compiled:\
                 \n  - stage `draw/fill`, port `source`: `none` has no global for it; declare one\

@@ -14,11 +14,32 @@ fn schedule() -> Schedule {
     let counts = g.zeroed("counts \\ \"odd\"", LEN);
     let args = g.input("args", 1);
     let (state, value) = g.state("value", LEN, Initial::Zero);
-    let counts = g.add::<tally::Tally>("count/first", tally::Inputs { source: &source, target: counts }, all()).target;
-    let inputs = pass::Inputs { source: &counts, target: value };
-    let value = g.add::<pass::Pass>("draw/\"copy\"", inputs, Dispatch::Indirect(&args)).target;
+    let counts = g
+        .add::<tally::Tally>(
+            "count/first",
+            tally::Inputs {
+                source: &source,
+                target: counts,
+            },
+            all(),
+        )
+        .target;
+    let inputs = pass::Inputs {
+        source: &counts,
+        target: value,
+    };
+    let value = g
+        .add::<pass::Pass>("draw/\"copy\"", inputs, Dispatch::Indirect(&args))
+        .target;
     let dead = g.transient("dead", LEN);
-    let _ = g.add::<pass::Pass>("draw/dead", pass::Inputs { source: &value, target: dead }, all());
+    let _ = g.add::<pass::Pass>(
+        "draw/dead",
+        pass::Inputs {
+            source: &value,
+            target: dead,
+        },
+        all(),
+    );
     g.output("value", &value);
     g.keep(state, value);
     g.compile(None).unwrap()
@@ -58,7 +79,10 @@ fn dot_has_every_live_stage_once_and_every_edge() {
     let count = |wanted: &str| tokens.iter().filter(|token| *token == wanted).count();
     assert_eq!(tokens[..3], ["digraph", "\"a \"frame\"", "{"]);
     assert_eq!(count("{"), count("}"));
-    assert_eq!(labels(&schedule), ["clear counts \\ \"odd\"", "count/first", "draw/\"copy\""]);
+    assert_eq!(
+        labels(&schedule),
+        ["clear counts \\ \"odd\"", "count/first", "draw/\"copy\""]
+    );
     for label in labels(&schedule) {
         assert_eq!(count(&format!("\"{label}")), 1, "{label}");
     }
@@ -72,7 +96,10 @@ fn dot_has_every_live_stage_once_and_every_edge() {
     assert_eq!(count("\"counts \\ \"odd\""), 2);
     for (from, to, _) in &schedule.edges {
         let (from, to) = (format!("s{from}"), format!("s{to}"));
-        assert!(tokens.windows(4).any(|w| w == [&from, "-", ">", &to]), "{from} -> {to}");
+        assert!(
+            tokens.windows(4).any(|w| w == [&from, "-", ">", &to]),
+            "{from} -> {to}"
+        );
     }
 }
 
@@ -84,19 +111,34 @@ fn json_parses_and_says_everything() {
     let steps = json["steps"].as_array().unwrap();
     assert_eq!(steps.len(), 3);
     assert_eq!(steps[1]["label"], "count/first");
-    assert_eq!(steps[0]["action"]["Clear"], schedule.resource("counts \\ \"odd\"").unwrap());
+    assert_eq!(
+        steps[0]["action"]["Clear"],
+        schedule.resource("counts \\ \"odd\"").unwrap()
+    );
     let copy = &steps[2]["action"]["Dispatch"];
     assert_eq!(copy["stage"], "Pass");
     assert_eq!(copy["size"]["Indirect"], schedule.resource("args").unwrap());
     assert_eq!(copy["bindings"][0]["access"], "Read");
-    assert_eq!(copy["bindings"][1]["resource"], schedule.resource("value").unwrap());
+    assert_eq!(
+        copy["bindings"][1]["resource"],
+        schedule.resource("value").unwrap()
+    );
     assert_eq!(copy["ports"][0]["element"]["Scalar"], "U32");
     assert_eq!(steps[2]["hazards"][0]["kind"], "ReadAfterWrite");
-    assert_eq!(json["resources"].as_array().unwrap().len(), schedule.resources.len());
+    assert_eq!(
+        json["resources"].as_array().unwrap().len(),
+        schedule.resources.len()
+    );
     let value = &json["resources"][schedule.resource("value").unwrap() as usize];
-    assert_eq!((&value["kind"]["State"], &value["bytes"]), (&"Zero".into(), &400.into()));
+    assert_eq!(
+        (&value["kind"]["State"], &value["bytes"]),
+        (&"Zero".into(), &400.into())
+    );
     assert_eq!(json["removed"], serde_json::json!(["draw/dead"]));
-    assert_eq!(json["outputs"], serde_json::json!([{ "name": "value", "resource": schedule.output("value") }]));
+    assert_eq!(
+        json["outputs"],
+        serde_json::json!([{ "name": "value", "resource": schedule.output("value") }])
+    );
     assert_eq!(json["edges"].as_array().unwrap().len(), 2);
 }
 
@@ -109,7 +151,19 @@ fn text_has_a_line_per_step() {
     assert_eq!(lines[0], "a \"frame\": 3 steps, 4 resources, 0.0 MB");
     let words = |line: usize| lines[line].split_whitespace().collect::<Vec<_>>();
     assert_eq!(words(1)[..2], ["0", "clear"]);
-    assert_eq!(words(2), ["1", "|", "count/first", "2x1x1", "r:source", "a:counts", "\\", "\"odd\""]);
+    assert_eq!(
+        words(2),
+        [
+            "1",
+            "|",
+            "count/first",
+            "2x1x1",
+            "r:source",
+            "a:counts",
+            "\\",
+            "\"odd\""
+        ]
+    );
     assert_eq!(words(3)[..4], ["2", "|", "draw/\"copy\"", "args"]);
     assert_eq!(words(3).last(), Some(&"w:value"));
     assert_eq!(lines[4].trim(), "removed: draw/dead (nothing needs it)");

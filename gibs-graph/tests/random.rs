@@ -4,7 +4,8 @@ mod common;
 use common::oracle::{self, Recorded, Start};
 use common::*;
 use gibs_graph::{
-    Action, Buffer, Dispatch, DispatchArgs, Graph, HazardKind, Initial, Kind, Previous, Schedule, State,
+    Action, Buffer, Dispatch, DispatchArgs, Graph, HazardKind, Initial, Kind, Previous, Schedule,
+    State,
 };
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -58,7 +59,12 @@ impl Frame {
             }
             _ => {
                 let (state, previous, buffer) = g.history(key, LEN, Initial::Zero);
-                (Kind::History(Initial::Zero), Some(state), Some(previous), buffer)
+                (
+                    Kind::History(Initial::Zero),
+                    Some(state),
+                    Some(previous),
+                    buffer,
+                )
             }
         };
         self.kinds.push(kind);
@@ -71,7 +77,9 @@ impl Frame {
     /// The first resource from `from` on that `fits`.
     fn find(&self, from: u8, fits: impl Fn(usize) -> bool) -> Option<usize> {
         let count = self.buffers.len();
-        (0..count).map(|i| (i + usize::from(from)) % count).find(|&i| fits(i))
+        (0..count)
+            .map(|i| (i + usize::from(from)) % count)
+            .find(|&i| fits(i))
     }
 
     fn readable(&self, i: usize) -> bool {
@@ -87,7 +95,10 @@ impl Frame {
         let label = format!("group{}/stage{}", kind % 2, self.stages.len());
         let args = self.buffers.len();
         let first = self.find(picks[0], |i| self.readable(i))?;
-        let mut stage = Recorded { label: label.clone(), ..Default::default() };
+        let mut stage = Recorded {
+            label: label.clone(),
+            ..Default::default()
+        };
         let all = Dispatch::Elements(LEN);
         match kind % 7 {
             0 | 5 => {
@@ -95,8 +106,19 @@ impl Frame {
                 let buffer = self.buffers[target].take()?;
                 let source = self.buffers[first].as_ref()?;
                 let indirect = kind % 7 == 5;
-                let size = if indirect { Dispatch::Indirect(self.args.as_ref()?) } else { all };
-                let made = self.graph.add::<pass::Pass>(&label, pass::Inputs { source, target: buffer }, size);
+                let size = if indirect {
+                    Dispatch::Indirect(self.args.as_ref()?)
+                } else {
+                    all
+                };
+                let made = self.graph.add::<pass::Pass>(
+                    &label,
+                    pass::Inputs {
+                        source,
+                        target: buffer,
+                    },
+                    size,
+                );
                 self.made(target, made.target);
                 stage.reads.push(first);
                 stage.reads.extend(indirect.then_some(args));
@@ -118,9 +140,14 @@ impl Frame {
                 stage.writes.push(target);
             }
             2 => {
-                let target = self.find(picks[1], |i| i != first && self.writable(i) && self.readable(i))?;
+                let target = self.find(picks[1], |i| {
+                    i != first && self.writable(i) && self.readable(i)
+                })?;
                 let buffer = self.buffers[target].take()?;
-                let inputs = tally::Inputs { source: self.buffers[first].as_ref()?, target: buffer };
+                let inputs = tally::Inputs {
+                    source: self.buffers[first].as_ref()?,
+                    target: buffer,
+                };
                 let made = self.graph.add::<tally::Tally>(&label, inputs, all);
                 self.made(target, made.target);
                 stage.reads.extend([first, target]);
@@ -130,16 +157,23 @@ impl Frame {
                 let before = self.find(picks[0], |i| self.previous[i].is_some())?;
                 let target = self.find(picks[1], |i| self.writable(i))?;
                 let buffer = self.buffers[target].take()?;
-                let inputs = recall::Inputs { before: self.previous[before].as_ref()?, target: buffer };
+                let inputs = recall::Inputs {
+                    before: self.previous[before].as_ref()?,
+                    target: buffer,
+                };
                 let made = self.graph.add::<recall::Recall>(&label, inputs, all);
                 self.made(target, made.target);
                 stage.reads_before.push(before);
                 stage.writes.push(target);
             }
             4 => {
-                let inputs =
-                    sizes::Inputs { source: self.buffers[first].as_ref()?, args: self.args.take()? };
-                let made = self.graph.add::<sizes::Sizes>(&label, inputs, Dispatch::Groups([1; 3]));
+                let inputs = sizes::Inputs {
+                    source: self.buffers[first].as_ref()?,
+                    args: self.args.take()?,
+                };
+                let made = self
+                    .graph
+                    .add::<sizes::Sizes>(&label, inputs, Dispatch::Groups([1; 3]));
                 self.args = Some(made.args);
                 stage.reads.push(first);
                 stage.writes.push(args);
@@ -148,8 +182,13 @@ impl Frame {
                 let target = self.find(picks[1], |i| self.writable(i) && self.readable(i))?;
                 let buffer = self.buffers[target].take()?;
                 let batch = self.args.as_ref()?;
-                let inputs = batched::Inputs { batch, target: buffer };
-                let made = self.graph.add::<batched::Batched>(&label, inputs, Dispatch::Indirect(batch));
+                let inputs = batched::Inputs {
+                    batch,
+                    target: buffer,
+                };
+                let made =
+                    self.graph
+                        .add::<batched::Batched>(&label, inputs, Dispatch::Indirect(batch));
                 self.made(target, made.target);
                 stage.reads.extend([args, target]);
                 stage.writes.push(target);
@@ -171,10 +210,20 @@ impl Frame {
             if matches!(self.kinds[i], Kind::History(_)) && self.versions[i] == 0 {
                 let buffer = self.buffers[i].take().unwrap();
                 let label = format!("last/stage{}", self.stages.len());
-                let inputs = pass::Inputs { source: self.buffers[0].as_ref().unwrap(), target: buffer };
-                let made = self.graph.add::<pass::Pass>(&label, inputs, Dispatch::Elements(LEN));
+                let inputs = pass::Inputs {
+                    source: self.buffers[0].as_ref().unwrap(),
+                    target: buffer,
+                };
+                let made = self
+                    .graph
+                    .add::<pass::Pass>(&label, inputs, Dispatch::Elements(LEN));
                 self.made(i, made.target);
-                self.stages.push(Recorded { label, reads: vec![0], writes: vec![i], ..Default::default() });
+                self.stages.push(Recorded {
+                    label,
+                    reads: vec![0],
+                    writes: vec![i],
+                    ..Default::default()
+                });
             }
         }
         for i in 0..self.buffers.len() {
@@ -211,7 +260,11 @@ fn record(resources: &[u8], stages: &[(u8, [u8; 3])]) -> Frame {
 fn reachable(schedule: &Schedule) -> Vec<BTreeSet<usize>> {
     let mut before = vec![BTreeSet::new(); schedule.steps.len()];
     for later in 0..before.len() {
-        for &(earlier, _, _) in schedule.edges.iter().filter(|edge| edge.1 as usize == later) {
+        for &(earlier, _, _) in schedule
+            .edges
+            .iter()
+            .filter(|edge| edge.1 as usize == later)
+        {
             let all = before[earlier as usize].clone();
             before[later].extend(all);
             before[later].insert(earlier as usize);
@@ -316,10 +369,46 @@ fn planted() -> Schedule {
     let source = g.input("source", LEN);
     let [a, b, c] = ["a", "b", "c"].map(|name| g.transient(name, LEN));
     let all = || Dispatch::Elements(LEN);
-    let a = g.add::<pass::Pass>("first", pass::Inputs { source: &source, target: a }, all()).target;
-    let b = g.add::<pass::Pass>("read", pass::Inputs { source: &a, target: b }, all()).target;
-    let c = g.add::<pass::Pass>("read again", pass::Inputs { source: &a, target: c }, all()).target;
-    let a = g.add::<pass::Pass>("second", pass::Inputs { source: &source, target: a }, all()).target;
+    let a = g
+        .add::<pass::Pass>(
+            "first",
+            pass::Inputs {
+                source: &source,
+                target: a,
+            },
+            all(),
+        )
+        .target;
+    let b = g
+        .add::<pass::Pass>(
+            "read",
+            pass::Inputs {
+                source: &a,
+                target: b,
+            },
+            all(),
+        )
+        .target;
+    let c = g
+        .add::<pass::Pass>(
+            "read again",
+            pass::Inputs {
+                source: &a,
+                target: c,
+            },
+            all(),
+        )
+        .target;
+    let a = g
+        .add::<pass::Pass>(
+            "second",
+            pass::Inputs {
+                source: &source,
+                target: a,
+            },
+            all(),
+        )
+        .target;
     g.output("a", &a);
     g.output("b", &b);
     g.output("c", &c);
@@ -352,8 +441,19 @@ fn the_oracle_follows_traces_across_frames() {
     };
     // Stage 0 reaches the output through two states against the order of the frame, stage 3 reaches nothing.
     let starts = [Start::Kept, Start::Rotated, Start::Anew, Start::Anew];
-    let stages = [stage(&[0], &[], &[2]), stage(&[], &[1], &[0]), stage(&[], &[], &[1]), stage(&[2], &[], &[3])];
-    assert_eq!(oracle::traces(&starts, &stages, &[2]), BTreeSet::from([0, 1, 2]));
-    assert_eq!(oracle::traces(&starts, &stages, &[3]), BTreeSet::from([0, 1, 2, 3]));
+    let stages = [
+        stage(&[0], &[], &[2]),
+        stage(&[], &[1], &[0]),
+        stage(&[], &[], &[1]),
+        stage(&[2], &[], &[3]),
+    ];
+    assert_eq!(
+        oracle::traces(&starts, &stages, &[2]),
+        BTreeSet::from([0, 1, 2])
+    );
+    assert_eq!(
+        oracle::traces(&starts, &stages, &[3]),
+        BTreeSet::from([0, 1, 2, 3])
+    );
     assert_eq!(oracle::traces(&starts, &stages, &[1]), BTreeSet::from([2]));
 }

@@ -3,8 +3,8 @@ mod common;
 
 use common::*;
 use gibs_graph::{
-    Access, Action, Buffer, Dispatch, DispatchArgs, DispatchSize, Graph, HazardKind, Initial, Kind, MAX_GROUPS, Schedule,
-    State, Usage, groups_for,
+    Access, Action, Buffer, Dispatch, DispatchArgs, DispatchSize, Graph, HazardKind, Initial, Kind,
+    MAX_GROUPS, Schedule, State, Usage, groups_for,
 };
 
 const LEN: u64 = 100;
@@ -14,7 +14,8 @@ fn all() -> Dispatch<'static> {
 }
 
 fn pass_on(g: &mut Graph, label: &str, source: &Buffer<u32>, target: Buffer<u32>) -> Buffer<u32> {
-    g.add::<pass::Pass>(label, pass::Inputs { source, target }, all()).target
+    g.add::<pass::Pass>(label, pass::Inputs { source, target }, all())
+        .target
 }
 
 fn compiled(g: Graph) -> Schedule {
@@ -51,7 +52,16 @@ fn a_state_that_only_its_own_stage_sees_is_dead() {
     let mut g = Graph::new("test");
     let source = g.input("source", LEN);
     let [(state, value)] = states(&mut g);
-    let value = g.add::<tally::Tally>("count", tally::Inputs { source: &source, target: value }, all()).target;
+    let value = g
+        .add::<tally::Tally>(
+            "count",
+            tally::Inputs {
+                source: &source,
+                target: value,
+            },
+            all(),
+        )
+        .target;
     g.keep(state, value);
     let schedule = compiled(g);
     assert_eq!(schedule.steps.len(), 0);
@@ -90,7 +100,10 @@ fn liveness_crosses_as_many_frames_as_it_takes() {
         g.keep(state, value);
     }
     let schedule = compiled(g);
-    assert_eq!(labels(&schedule), ["look", "one to zero", "two to one", "source to two"]);
+    assert_eq!(
+        labels(&schedule),
+        ["look", "one to zero", "two to one", "source to two"]
+    );
     assert_eq!(schedule.removed, ["two to three"]);
 }
 
@@ -109,8 +122,14 @@ fn a_chain_of_partial_writers_lives() {
     g.keep(state, value);
     // The stage after the reader may leave what the next frame reads.
     let schedule = compiled(g);
-    assert_eq!(labels(&schedule), ["first half", "second half", "look", "rest"]);
-    assert_eq!(step(&schedule, "second half").1.hazards[0].kind, HazardKind::WriteAfterWrite);
+    assert_eq!(
+        labels(&schedule),
+        ["first half", "second half", "look", "rest"]
+    );
+    assert_eq!(
+        step(&schedule, "second half").1.hazards[0].kind,
+        HazardKind::WriteAfterWrite
+    );
 }
 
 /// Within a frame nobody sees what is written after the last read.
@@ -131,9 +150,27 @@ fn a_history_is_read_beside_being_written() {
     let mut g = Graph::new("test");
     let (state, before, now) = g.history::<u32>("past", LEN, Initial::Zero);
     assert_eq!((before.len(), now.len()), (LEN, LEN));
-    let now = g.add::<recall::Recall>("advance", recall::Inputs { before: &before, target: now }, all()).target;
+    let now = g
+        .add::<recall::Recall>(
+            "advance",
+            recall::Inputs {
+                before: &before,
+                target: now,
+            },
+            all(),
+        )
+        .target;
     let seen = g.transient("seen", LEN);
-    let seen = g.add::<recall::Recall>("look", recall::Inputs { before: &before, target: seen }, all()).target;
+    let seen = g
+        .add::<recall::Recall>(
+            "look",
+            recall::Inputs {
+                before: &before,
+                target: seen,
+            },
+            all(),
+        )
+        .target;
     g.output("seen", &seen);
     g.keep(state, now);
     let schedule = compiled(g);
@@ -142,7 +179,14 @@ fn a_history_is_read_beside_being_written() {
     assert_eq!(barriers(&schedule), "..");
     assert_eq!(schedule.edges, []);
     let (_, _, dispatch) = schedule.dispatches().next().unwrap();
-    assert_eq!(dispatch.bindings.iter().map(|b| b.access).collect::<Vec<_>>(), [Access::Previous, Access::Write]);
+    assert_eq!(
+        dispatch
+            .bindings
+            .iter()
+            .map(|b| b.access)
+            .collect::<Vec<_>>(),
+        [Access::Previous, Access::Write]
+    );
     assert_eq!(dispatch.bindings[0].resource, dispatch.bindings[1].resource);
 }
 
@@ -177,12 +221,23 @@ fn hazards_say_what_meets_what() {
     let b = pass_on(&mut g, "read", &a, b);
     let a = pass_on(&mut g, "overwrite", &source, a);
     let a = pass_on(&mut g, "overwrite again", &source, a);
-    let inputs = merge::Inputs { first: &b, second: &b, target: a };
+    let inputs = merge::Inputs {
+        first: &b,
+        second: &b,
+        target: a,
+    };
     let a = g.add::<merge::Merge>("change", inputs, all()).target;
     g.output("a", &a);
     g.output("b", &b);
     let schedule = compiled(g);
-    let kinds = |label| step(&schedule, label).1.hazards.iter().map(|h| (h.after, h.kind)).collect::<Vec<_>>();
+    let kinds = |label| {
+        step(&schedule, label)
+            .1
+            .hazards
+            .iter()
+            .map(|h| (h.after, h.kind))
+            .collect::<Vec<_>>()
+    };
     assert_eq!(kinds("write"), []);
     assert_eq!(kinds("read"), [(0, HazardKind::ReadAfterWrite)]);
     // The barrier before `read` settles `write` already.
@@ -201,15 +256,45 @@ fn clears_come_right_before_the_first_use() {
     let [a, b, unused] = ["a", "b", "unused"].map(|name| g.zeroed(name, LEN));
     let early = g.transient("early", LEN);
     let early = pass_on(&mut g, "early", &source, early);
-    let b = g.add::<tally::Tally>("first use", tally::Inputs { source: &a, target: b }, all()).target;
-    let b = g.add::<tally::Tally>("second use", tally::Inputs { source: &a, target: b }, all()).target;
-    let _ = g.add::<tally::Tally>("dead", tally::Inputs { source: &b, target: unused }, all());
+    let b = g
+        .add::<tally::Tally>(
+            "first use",
+            tally::Inputs {
+                source: &a,
+                target: b,
+            },
+            all(),
+        )
+        .target;
+    let b = g
+        .add::<tally::Tally>(
+            "second use",
+            tally::Inputs {
+                source: &a,
+                target: b,
+            },
+            all(),
+        )
+        .target;
+    let _ = g.add::<tally::Tally>(
+        "dead",
+        tally::Inputs {
+            source: &b,
+            target: unused,
+        },
+        all(),
+    );
     g.output("b", &b);
     g.output("early", &early);
     let schedule = compiled(g);
-    assert_eq!(labels(&schedule), ["early", "clear a", "clear b", "first use", "second use"]);
+    assert_eq!(
+        labels(&schedule),
+        ["early", "clear a", "clear b", "first use", "second use"]
+    );
     assert_eq!(barriers(&schedule), "...||");
-    assert!(matches!(schedule.steps[1].action, Action::Clear(r) if Some(r) == schedule.resource("a")));
+    assert!(
+        matches!(schedule.steps[1].action, Action::Clear(r) if Some(r) == schedule.resource("a"))
+    );
     assert_eq!(schedule.steps[1].group(), "");
 }
 
@@ -219,23 +304,64 @@ fn indirect_sizes_are_waited_for() {
     let source = g.input("source", LEN);
     let args = g.transient("args", 1);
     let target = g.transient("target", LEN);
-    let args = g.add::<sizes::Sizes>("count", sizes::Inputs { source: &source, args }, Dispatch::Groups([1; 3])).args;
-    let inputs = pass::Inputs { source: &source, target };
-    let target = g.add::<pass::Pass>("fill", inputs, Dispatch::Indirect(&args)).target;
+    let args = g
+        .add::<sizes::Sizes>(
+            "count",
+            sizes::Inputs {
+                source: &source,
+                args,
+            },
+            Dispatch::Groups([1; 3]),
+        )
+        .args;
+    let inputs = pass::Inputs {
+        source: &source,
+        target,
+    };
+    let target = g
+        .add::<pass::Pass>("fill", inputs, Dispatch::Indirect(&args))
+        .target;
     // Bound and read as sizes: one dependency.
-    let inputs = batched::Inputs { batch: &args, target };
-    let target = g.add::<batched::Batched>("change", inputs, Dispatch::Indirect(&args)).target;
-    let args = g.add::<sizes::Sizes>("count again", sizes::Inputs { source: &source, args }, Dispatch::Groups([1; 3])).args;
+    let inputs = batched::Inputs {
+        batch: &args,
+        target,
+    };
+    let target = g
+        .add::<batched::Batched>("change", inputs, Dispatch::Indirect(&args))
+        .target;
+    let args = g
+        .add::<sizes::Sizes>(
+            "count again",
+            sizes::Inputs {
+                source: &source,
+                args,
+            },
+            Dispatch::Groups([1; 3]),
+        )
+        .args;
     g.output("target", &target);
     g.output("args", &args);
     let schedule = compiled(g);
     let [args, target] = ["args", "target"].map(|key| schedule.resource(key).unwrap());
     assert_eq!(barriers(&schedule), ".|||");
-    assert_eq!(schedule.edges, [(0, 1, args), (0, 2, args), (1, 2, target), (0, 3, args), (1, 3, args), (2, 3, args)]);
+    assert_eq!(
+        schedule.edges,
+        [
+            (0, 1, args),
+            (0, 2, args),
+            (1, 2, target),
+            (0, 3, args),
+            (1, 3, args),
+            (2, 3, args)
+        ]
+    );
     let (_, _, dispatch) = schedule.dispatches().nth(1).unwrap();
     assert_eq!(dispatch.size, DispatchSize::Indirect(args));
     assert!(dispatch.bindings.iter().all(|b| b.resource != args));
-    assert_eq!(step(&schedule, "fill").1.touches().last(), Some(&(args, Access::Indirect)));
+    assert_eq!(
+        step(&schedule, "fill").1.touches().last(),
+        Some(&(args, Access::Indirect))
+    );
 }
 
 #[test]
@@ -244,8 +370,13 @@ fn sizes_that_nobody_wrote_are_cleared() {
     let source = g.input("source", LEN);
     let args = g.zeroed::<DispatchArgs>("args", 1);
     let target = g.transient("target", LEN);
-    let inputs = pass::Inputs { source: &source, target };
-    let target = g.add::<pass::Pass>("fill", inputs, Dispatch::Indirect(&args)).target;
+    let inputs = pass::Inputs {
+        source: &source,
+        target,
+    };
+    let target = g
+        .add::<pass::Pass>("fill", inputs, Dispatch::Indirect(&args))
+        .target;
     g.output("target", &target);
     let schedule = compiled(g);
     assert_eq!(labels(&schedule), ["clear args", "fill"]);
@@ -260,24 +391,77 @@ fn usage_is_what_live_stages_do() {
     let host_twin = g.input("read by both", LEN);
     let args = g.input("args", 1);
     let target = g.zeroed("target", LEN);
-    let inputs = batched::Inputs { batch: &args, target };
-    let target = g.add::<batched::Batched>("batched", inputs, Dispatch::Indirect(&args)).target;
-    let target = g.add::<hosted::Hosted>("trace", hosted::Inputs { extra: &tree, target }, all()).target;
-    let target = g.add::<hosted::Hosted>("both", hosted::Inputs { extra: &host_twin, target }, all()).target;
+    let inputs = batched::Inputs {
+        batch: &args,
+        target,
+    };
+    let target = g
+        .add::<batched::Batched>("batched", inputs, Dispatch::Indirect(&args))
+        .target;
+    let target = g
+        .add::<hosted::Hosted>(
+            "trace",
+            hosted::Inputs {
+                extra: &tree,
+                target,
+            },
+            all(),
+        )
+        .target;
+    let target = g
+        .add::<hosted::Hosted>(
+            "both",
+            hosted::Inputs {
+                extra: &host_twin,
+                target,
+            },
+            all(),
+        )
+        .target;
     let target = pass_on(&mut g, "copy", &host_twin, target);
     g.output("target", &target);
     g.output("source", &source);
     let schedule = compiled(g);
     let usage = |key: &str| schedule.resources[schedule.resource(key).unwrap() as usize].usage;
     let none = Usage::default();
-    assert_eq!(usage("args"), Usage { uniform: true, indirect: true, ..none });
+    assert_eq!(
+        usage("args"),
+        Usage {
+            uniform: true,
+            indirect: true,
+            ..none
+        }
+    );
     assert_eq!(usage("tree"), Usage { host: true, ..none });
-    assert_eq!(usage("read by both"), Usage { host: true, storage: true, ..none });
-    assert_eq!(usage("target"), Usage { storage: true, ..none });
+    assert_eq!(
+        usage("read by both"),
+        Usage {
+            host: true,
+            storage: true,
+            ..none
+        }
+    );
+    assert_eq!(
+        usage("target"),
+        Usage {
+            storage: true,
+            ..none
+        }
+    );
     // An output that no stage touches is there all the same.
-    assert_eq!(usage("source"), Usage { storage: true, ..none });
+    assert_eq!(
+        usage("source"),
+        Usage {
+            storage: true,
+            ..none
+        }
+    );
     assert!(!usage("tree").on_device());
-    assert!(["args", "read by both", "target"].iter().all(|key| usage(key).on_device()));
+    assert!(
+        ["args", "read by both", "target"]
+            .iter()
+            .all(|key| usage(key).on_device())
+    );
     assert_eq!(schedule.bytes(false), 16 + 3 * 4 * LEN);
     assert_eq!(schedule.bytes(true), 16 + 4 * 4 * LEN);
 }
@@ -286,7 +470,16 @@ fn usage_is_what_live_stages_do() {
 fn a_history_counts_twice_and_nothing_overflows() {
     let mut g = Graph::new("test");
     let (state, before, now) = g.history::<u32>("past", LEN, Initial::Zero);
-    let now = g.add::<recall::Recall>("advance", recall::Inputs { before: &before, target: now }, all()).target;
+    let now = g
+        .add::<recall::Recall>(
+            "advance",
+            recall::Inputs {
+                before: &before,
+                target: now,
+            },
+            all(),
+        )
+        .target;
     g.output("now", &now);
     g.keep(state, now);
     let schedule = compiled(g);
@@ -321,7 +514,16 @@ fn persistent(key: &str, len: u64, initial: Initial) -> Schedule {
     let (state, value) = g.state(key, len, initial);
     let value = pass_on(&mut g, "change", &scratch, value);
     let (past_state, before, now) = g.history("past", LEN, Initial::Zero);
-    let now = g.add::<recall::Recall>("advance", recall::Inputs { before: &before, target: now }, all()).target;
+    let now = g
+        .add::<recall::Recall>(
+            "advance",
+            recall::Inputs {
+                before: &before,
+                target: now,
+            },
+            all(),
+        )
+        .target;
     g.output("value", &value);
     g.output("now", &now);
     g.keep(state, value);
@@ -336,15 +538,27 @@ fn persistent_resources_that_agree_are_adopted() {
         let pairs = new.adoptions(&old);
         let agree = |&(from, to): &(u32, u32)| {
             let (from, to) = (&old.resources[from as usize], &new.resources[to as usize]);
-            assert_eq!((&from.key, &from.kind, from.len), (&to.key, &to.kind, to.len));
+            assert_eq!(
+                (&from.key, &from.kind, from.len),
+                (&to.key, &to.kind, to.len)
+            );
             to.key.clone()
         };
         pairs.iter().map(agree).collect::<Vec<_>>()
     };
     assert_eq!(adopted(&old), ["source", "age", "past"]);
-    assert_eq!(adopted(&persistent("years", LEN, Initial::Zero)), ["source", "past"]);
-    assert_eq!(adopted(&persistent("age", LEN + 1, Initial::Zero)), ["source", "past"]);
-    assert_eq!(adopted(&persistent("age", LEN, Initial::Sequence)), ["source", "past"]);
+    assert_eq!(
+        adopted(&persistent("years", LEN, Initial::Zero)),
+        ["source", "past"]
+    );
+    assert_eq!(
+        adopted(&persistent("age", LEN + 1, Initial::Zero)),
+        ["source", "past"]
+    );
+    assert_eq!(
+        adopted(&persistent("age", LEN, Initial::Sequence)),
+        ["source", "past"]
+    );
 
     // The same key, but of another type or another kind.
     let mut g = Graph::new("test");
@@ -361,7 +575,10 @@ fn persistent_resources_that_agree_are_adopted() {
 fn initial_values() {
     let words = |initial: Initial, bytes| {
         let bytes = initial.bytes(bytes);
-        bytes.chunks(4).map(|word| u32::from_ne_bytes(word.try_into().unwrap())).collect::<Vec<_>>()
+        bytes
+            .chunks(4)
+            .map(|word| u32::from_ne_bytes(word.try_into().unwrap()))
+            .collect::<Vec<_>>()
     };
     assert_eq!(words(Initial::Zero, 8), [0, 0]);
     assert_eq!(words(Initial::Sequence, 16), [0, 1, 2, 3]);
@@ -373,7 +590,11 @@ fn initial_values() {
         (Kind::State(Initial::Zero), true),
         (Kind::History(Initial::Zero), true),
     ];
-    assert!(persists.iter().all(|(kind, persists)| kind.persists() == *persists));
+    assert!(
+        persists
+            .iter()
+            .all(|(kind, persists)| kind.persists() == *persists)
+    );
 }
 
 #[test]
@@ -386,7 +607,10 @@ fn long_dispatches_are_folded_into_rows() {
     assert_eq!(groups_for(most * 64, 64), [MAX_GROUPS, 1, 1]);
     assert_eq!(groups_for(most * 64 + 1, 64), [MAX_GROUPS, 2, 1]);
     assert_eq!(groups_for(most * most, 1), [MAX_GROUPS, MAX_GROUPS, 1]);
-    assert_eq!(groups_for(most * most + 1, 1), [MAX_GROUPS, MAX_GROUPS + 1, 1]);
+    assert_eq!(
+        groups_for(most * most + 1, 1),
+        [MAX_GROUPS, MAX_GROUPS + 1, 1]
+    );
     assert_eq!(groups_for(u64::MAX, 1), [MAX_GROUPS, u32::MAX, 1]);
     // No lanes counts as one.
     assert_eq!(groups_for(10, 0), [10, 1, 1]);
@@ -400,7 +624,11 @@ fn workgroups_of_a_folded_dispatch_cover_it() {
     assert_eq!(count, [MAX_GROUPS, 3, 1]);
     let mut next = 0;
     for (y, x) in (0..count[1]).flat_map(|y| (0..count[0]).map(move |x| (y, x))) {
-        let group = gibs_graph::Workgroup { id: [x, y, 0], count, size: [64, 1, 1] };
+        let group = gibs_graph::Workgroup {
+            id: [x, y, 0],
+            count,
+            size: [64, 1, 1],
+        };
         let range = group.range(elements as u32);
         assert_eq!(range.start, next);
         next = range.end;

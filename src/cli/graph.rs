@@ -20,7 +20,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     let loaded = args.scene.load()?;
     let scene = device_scene(&loaded.scene, &loaded.view)?;
-    let schedule = schedule(&scene, loaded.size, &settings)?;
+    let schedule = schedule(&scene, &loaded.view, loaded.size, &settings)?;
     match args.format.as_str() {
         "dot" => print!("{}", schedule.to_dot()),
         "json" => println!("{}", schedule.to_json().unwrap_or_default()),

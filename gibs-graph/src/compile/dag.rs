@@ -77,7 +77,10 @@ pub(super) fn live_stages(graph: &Graph, dag: &Dag) -> Vec<bool> {
         wanted.extend(needs.map(|edge| edge.source().index()));
         for binding in &graph.stages[stage].bindings {
             // A later version of a state leads to version 0 through the edges above.
-            let state = matches!(graph.resources[binding.resource as usize].kind, Kind::State(_));
+            let state = matches!(
+                graph.resources[binding.resource as usize].kind,
+                Kind::State(_)
+            );
             if binding.access == Access::Previous || (state && binding.version == Some(0)) {
                 wanted.append(&mut writers[binding.resource as usize]);
             }
@@ -96,7 +99,11 @@ pub(super) fn order(
     let is_live = |node: &NodeIndex| live[node.index()];
     let mut waiting: Vec<usize> = dag
         .node_indices()
-        .map(|node| dag.neighbors_directed(node, Incoming).filter(is_live).count())
+        .map(|node| {
+            dag.neighbors_directed(node, Incoming)
+                .filter(is_live)
+                .count()
+        })
         .collect();
     let mut ready: BinaryHeap<Reverse<usize>> = (0..stages.len())
         .filter(|&i| live[i] && waiting[i] == 0)
@@ -158,7 +165,11 @@ mod tests {
         let stages = stages(&["a", "b", "c", "d"]);
         let mut dag = dependencies(&stages, 0);
         // The first inserted waits for the last; the two between are free.
-        dag.add_edge(NodeIndex::new(3), NodeIndex::new(0), HazardKind::ReadAfterWrite);
+        dag.add_edge(
+            NodeIndex::new(3),
+            NodeIndex::new(0),
+            HazardKind::ReadAfterWrite,
+        );
         let mut errors = Vec::new();
         assert_eq!(order(&stages, &dag, &[true; 4], &mut errors), [1, 2, 3, 0]);
         // A dead stage holds nobody up.
@@ -173,7 +184,11 @@ mod tests {
         let stages = stages(&["free", "first", "second"]);
         let mut dag = dependencies(&stages, 0);
         for (from, to) in [(1, 2), (2, 1)] {
-            dag.add_edge(NodeIndex::new(from), NodeIndex::new(to), HazardKind::ReadAfterWrite);
+            dag.add_edge(
+                NodeIndex::new(from),
+                NodeIndex::new(to),
+                HazardKind::ReadAfterWrite,
+            );
         }
         let mut errors = Vec::new();
         assert_eq!(order(&stages, &dag, &[true; 3], &mut errors), [0]);

@@ -5,7 +5,10 @@ use crate::{Access, Graph, Kind};
 use std::collections::{HashMap, HashSet};
 
 /// Resources that live stages or outputs touch, and where each of the graph's resources went.
-pub(super) fn place_resources(graph: &Graph, order: &[usize]) -> (Vec<Resource>, HashMap<u32, u32>) {
+pub(super) fn place_resources(
+    graph: &Graph,
+    order: &[usize],
+) -> (Vec<Resource>, HashMap<u32, u32>) {
     let mut usage: HashMap<u32, Usage> = HashMap::new();
     for binding in order.iter().flat_map(|&i| &graph.stages[i].bindings) {
         let used = usage.entry(binding.resource).or_default();
@@ -22,14 +25,18 @@ pub(super) fn place_resources(graph: &Graph, order: &[usize]) -> (Vec<Resource>,
     let mut place = HashMap::new();
     let mut resources = Vec::new();
     for (i, declared) in graph.resources.iter().enumerate() {
-        let Some(&usage) = usage.get(&(i as u32)) else { continue };
+        let Some(&usage) = usage.get(&(i as u32)) else {
+            continue;
+        };
         place.insert(i as u32, resources.len() as u32);
         resources.push(Resource {
             key: declared.key.clone(),
             kind: declared.kind.clone(),
             element: declared.element.clone(),
             len: declared.len,
-            bytes: declared.len.saturating_mul(u64::from(declared.element.size())),
+            bytes: declared
+                .len
+                .saturating_mul(u64::from(declared.element.size())),
             usage,
         });
     }
@@ -37,7 +44,12 @@ pub(super) fn place_resources(graph: &Graph, order: &[usize]) -> (Vec<Resource>,
 }
 
 /// Live stages as steps, and before each the clears of zeroed resources that it is the first to touch.
-pub(super) fn lay_out(graph: &Graph, order: &[usize], resources: &[Resource], place: &HashMap<u32, u32>) -> Vec<Step> {
+pub(super) fn lay_out(
+    graph: &Graph,
+    order: &[usize],
+    resources: &[Resource],
+    place: &HashMap<u32, u32>,
+) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut cleared = HashSet::new();
     for &i in order {
@@ -46,25 +58,41 @@ pub(super) fn lay_out(graph: &Graph, order: &[usize], resources: &[Resource], pl
             .bindings
             .iter()
             .filter(|b| b.access != Access::Indirect)
-            .map(|b| Binding { port: b.port, resource: place[&b.resource], access: b.access })
+            .map(|b| Binding {
+                port: b.port,
+                resource: place[&b.resource],
+                access: b.access,
+            })
             .collect();
         // The sizes of an indirect dispatch are no binding of the step, but they are read.
         for id in stage.bindings.iter().map(|b| place[&b.resource]) {
             let resource = &resources[id as usize];
             if resource.kind == Kind::Zeroed && cleared.insert(id) {
                 let action = Action::Clear(id);
-                steps.push(Step { label: format!("clear {}", resource.key), action, hazards: Vec::new() });
+                steps.push(Step {
+                    label: format!("clear {}", resource.key),
+                    action,
+                    hazards: Vec::new(),
+                });
             }
         }
         let size = match stage.dispatch {
             DispatchDecl::Groups(groups) => DispatchSize::Groups(groups),
             DispatchDecl::Indirect { resource } => DispatchSize::Indirect(place[&resource]),
         };
-        let dispatch =
-            DispatchStep { stage: stage.stage, kernel: stage.kernel, ports: stage.ports.clone(), bindings, size };
+        let dispatch = DispatchStep {
+            stage: stage.stage,
+            kernel: stage.kernel,
+            ports: stage.ports.clone(),
+            bindings,
+            size,
+        };
         let action = Action::Dispatch(Box::new(dispatch));
-        steps.push(Step { label: stage.label.clone(), action, hazards: Vec::new() });
+        steps.push(Step {
+            label: stage.label.clone(),
+            action,
+            hazards: Vec::new(),
+        });
     }
     steps
 }
-

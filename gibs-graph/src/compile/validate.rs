@@ -8,9 +8,12 @@ pub(super) fn validate(graph: &Graph, errors: &mut Vec<GraphError>) {
     let mut keys = HashSet::new();
     for resource in &graph.resources {
         if !keys.insert(&resource.key) {
-            errors.push(GraphError::DuplicateKey { key: resource.key.clone() });
+            errors.push(GraphError::DuplicateKey {
+                key: resource.key.clone(),
+            });
         }
-        if let Kind::State(Initial::Fill(bytes)) | Kind::History(Initial::Fill(bytes)) = &resource.kind
+        if let Kind::State(Initial::Fill(bytes)) | Kind::History(Initial::Fill(bytes)) =
+            &resource.kind
             && bytes.len() != resource.element.size() as usize
         {
             errors.push(GraphError::InitialSize {
@@ -20,14 +23,18 @@ pub(super) fn validate(graph: &Graph, errors: &mut Vec<GraphError>) {
             });
         }
         if matches!(resource.kind, Kind::State(_) | Kind::History(_)) && resource.kept.is_none() {
-            errors.push(GraphError::NotKept { state: resource.key.clone() });
+            errors.push(GraphError::NotKept {
+                state: resource.key.clone(),
+            });
         }
     }
     let mut labels = HashSet::new();
     let mut last = vec![0; graph.resources.len()];
     for stage in &graph.stages {
         if !labels.insert(&stage.label) {
-            errors.push(GraphError::DuplicateLabel { label: stage.label.clone() });
+            errors.push(GraphError::DuplicateLabel {
+                label: stage.label.clone(),
+            });
         }
         validate_stage(graph, stage, errors);
         for binding in stage.bindings.iter().filter(|b| b.access.writes()) {
@@ -42,7 +49,9 @@ fn validate_ends(graph: &Graph, last: &[u32], errors: &mut Vec<GraphError>) {
     let mut names = HashSet::new();
     for output in &graph.outputs {
         if !names.insert(&output.name) {
-            errors.push(GraphError::DuplicateOutput { name: output.name.clone() });
+            errors.push(GraphError::DuplicateOutput {
+                name: output.name.clone(),
+            });
         }
         if starts_undefined(graph, output.resource) && output.version == 0 {
             errors.push(GraphError::Uninitialized {
@@ -62,18 +71,28 @@ fn validate_ends(graph: &Graph, last: &[u32], errors: &mut Vec<GraphError>) {
         }
     }
     let named = graph.outputs.iter().map(|o| (o.resource, o.version));
-    let kept = graph.resources.iter().enumerate().filter_map(|(i, r)| Some((i as u32, r.kept?)));
+    let kept = graph
+        .resources
+        .iter()
+        .enumerate()
+        .filter_map(|(i, r)| Some((i as u32, r.kept?)));
     for (resource, version) in named.chain(kept) {
         if last[resource as usize] != version {
             let key = graph.resources[resource as usize].key.clone();
-            errors.push(GraphError::NotLast { resource: key, version });
+            errors.push(GraphError::NotLast {
+                resource: key,
+                version,
+            });
         }
     }
 }
 
 /// What version 0 holds is no value.
 fn starts_undefined(graph: &Graph, resource: u32) -> bool {
-    matches!(graph.resources[resource as usize].kind, Kind::Transient | Kind::History(_))
+    matches!(
+        graph.resources[resource as usize].kind,
+        Kind::Transient | Kind::History(_)
+    )
 }
 
 fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>) {
@@ -81,21 +100,37 @@ fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>
     if let DispatchDecl::Groups(groups) = stage.dispatch
         && (groups.iter().any(|&n| n > MAX_GROUPS) || workgroups(groups) > u64::from(u32::MAX))
     {
-        errors.push(GraphError::DispatchSize { stage: stage.label.clone(), groups });
+        errors.push(GraphError::DispatchSize {
+            stage: stage.label.clone(),
+            groups,
+        });
     }
     for (i, binding) in stage.bindings.iter().enumerate() {
         let resource = &graph.resources[binding.resource as usize];
         let (label, port) = (stage.label.clone(), binding.port.to_string());
         let reads_now = binding.access.reads() && binding.access != Access::Previous;
         if reads_now && binding.version == Some(0) && starts_undefined(graph, binding.resource) {
-            errors.push(GraphError::Uninitialized { stage: label, port, resource: name(binding.resource) });
+            errors.push(GraphError::Uninitialized {
+                stage: label,
+                port,
+                resource: name(binding.resource),
+            });
         } else if binding.access.writes() && resource.kind == Kind::Input {
-            errors.push(GraphError::WritesInput { stage: label, port, resource: name(binding.resource) });
+            errors.push(GraphError::WritesInput {
+                stage: label,
+                port,
+                resource: name(binding.resource),
+            });
         } else if binding.access == Access::Uniform {
             let size = resource.element.size();
             if !size.is_multiple_of(16) || size > 65_536 {
                 let element = resource.element.clone();
-                errors.push(GraphError::UniformSize { stage: label, port, element, size });
+                errors.push(GraphError::UniformSize {
+                    stage: label,
+                    port,
+                    element,
+                    size,
+                });
             }
         }
         // The two allocations of a history do not overlap, so reading the one beside writing the other is fine.
@@ -116,7 +151,8 @@ fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>
     }
 }
 
-
 fn workgroups(groups: [u32; 3]) -> u64 {
-    groups.iter().fold(1, |product: u64, &n| product.saturating_mul(u64::from(n)))
+    groups
+        .iter()
+        .fold(1, |product: u64, &n| product.saturating_mul(u64::from(n)))
 }

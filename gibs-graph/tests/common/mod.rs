@@ -52,13 +52,25 @@ stages! {
 /// The step with this label.
 pub fn step<'s>(schedule: &'s Schedule, label: &str) -> (usize, &'s Step) {
     let mut steps = schedule.steps.iter().enumerate();
-    let labels = || schedule.steps.iter().map(|s| s.label.as_str()).collect::<Vec<_>>();
-    steps.find(|(_, step)| step.label == label).unwrap_or_else(|| panic!("{label} in {:?}", labels()))
+    let labels = || {
+        schedule
+            .steps
+            .iter()
+            .map(|s| s.label.as_str())
+            .collect::<Vec<_>>()
+    };
+    steps
+        .find(|(_, step)| step.label == label)
+        .unwrap_or_else(|| panic!("{label} in {:?}", labels()))
 }
 
 /// Labels of all steps, in order.
 pub fn labels(schedule: &Schedule) -> Vec<&str> {
-    schedule.steps.iter().map(|step| step.label.as_str()).collect()
+    schedule
+        .steps
+        .iter()
+        .map(|step| step.label.as_str())
+        .collect()
 }
 
 /// A bar before each step that has a barrier.

@@ -51,7 +51,10 @@ pub fn conflicts(schedule: &Schedule) -> BTreeSet<(usize, usize, u32)> {
 pub fn unsettled(schedule: &Schedule) -> Vec<(usize, usize, u32)> {
     let barrier = |step: usize| !schedule.steps[step].hazards.is_empty();
     let settled = |earlier: usize, later: usize| (earlier + 1..=later).any(barrier);
-    conflicts(schedule).into_iter().filter(|&(earlier, later, _)| !settled(earlier, later)).collect()
+    conflicts(schedule)
+        .into_iter()
+        .filter(|&(earlier, later, _)| !settled(earlier, later))
+        .collect()
 }
 
 /// How a resource of a recorded frame starts.
@@ -91,11 +94,19 @@ pub fn traces(starts: &[Start], stages: &[Recorded], outputs: &[usize]) -> BTree
         for (i, stage) in stages.iter().enumerate() {
             let mut trace = BTreeSet::from([i]);
             trace.extend(stage.reads.iter().flat_map(|&r| now[r].iter().copied()));
-            trace.extend(stage.reads_before.iter().flat_map(|&r| before[r].iter().copied()));
+            trace.extend(
+                stage
+                    .reads_before
+                    .iter()
+                    .flat_map(|&r| before[r].iter().copied()),
+            );
             for &resource in &stage.writes {
                 now[resource].extend(trace.iter().copied());
             }
         }
     }
-    outputs.iter().flat_map(|&output| now[output].iter().copied()).collect()
+    outputs
+        .iter()
+        .flat_map(|&output| now[output].iter().copied())
+        .collect()
 }

@@ -130,6 +130,11 @@ pub struct FrameUpdate<'a> {
 }
 
 impl FrameUpdate<'_> {
+    /// Angle that a pixel in the middle of the picture subtends, radians.
+    pub fn pixel_angle(&self) -> f32 {
+        (2.0 * (self.camera.vfov * 0.5).tan() / f64::from(self.size[1])) as f32
+    }
+
     /// The camera on the device, relative to the floating origin.
     pub fn camera(&self, origin: DVec3) -> Camera {
         let [right, up, forward] = self.camera.axes();
@@ -142,7 +147,7 @@ impl FrameUpdate<'_> {
             right: (right * tan * aspect).as_vec3(),
             height,
             up: (up * tan).as_vec3(),
-            pixel_angle: (2.0 * tan / f64::from(height)) as f32,
+            pixel_angle: self.pixel_angle(),
             forward: forward.as_vec3(),
             pad: 0,
         }
@@ -170,7 +175,7 @@ pub fn upload_frame(
     };
     upload(exec, "camera", &[camera])?;
     upload(exec, "frame", &[frame])?;
-    upload(exec, "grid", &[settings.grid(camera.eye, scene.extent())])?;
+    upload(exec, "grid", &[settings.grid(camera.eye, scene.extent(), camera.pixel_angle)])?;
     upload(exec, "settings", &[settings.device()])?;
     upload(exec, "pixels", &[batch::args(update.size[0] * update.size[1])])
 }

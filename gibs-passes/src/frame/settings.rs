@@ -31,7 +31,7 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub grid_side: u32,
     /// See [`Settings::all`].
-    pub grid_slices: u32,
+    pub grid_reach: f32,
     /// See [`Settings::all`].
     pub grid_half: f32,
 }
@@ -49,8 +49,8 @@ impl Default for Settings {
             clamp: false,
             lights: 4,
             continuations: 3,
-            grid_side: 48,
-            grid_slices: 96,
+            grid_side: 0,
+            grid_reach: 400.0,
             grid_half: 1.0 / 64.0,
         }
     }
@@ -174,8 +174,8 @@ settings! {
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
-    grid_side: u32, "cells", 4, 128, "cells along a side of the centre cube and across a slice";
-    grid_slices: u32, "slices", 1, 512, "slices along each half-axis";
+    grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice; 0 to fit the surfels";
+    grid_reach: f32, "cube sizes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
     grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
 }
 
@@ -185,9 +185,15 @@ impl Settings {
         lights.min(u64::from(self.lights)) as u32
     }
 
-    /// The grid around an eye, for a scene of this diagonal, metres.
-    pub fn grid(&self, eye: Vec3, extent: f32) -> GridShape {
-        GridShape::new(eye, extent * self.grid_half, self.grid_side, self.grid_slices)
+    /// The grid around an eye, for a scene of this diagonal, metres, where a pixel subtends this angle, radians.
+    ///
+    /// Cells are about three target radii wide: wide enough that the grid does not limit radii, narrow enough that
+    /// lists stay short.
+    pub fn grid(&self, eye: Vec3, extent: f32, pixel_angle: f32) -> GridShape {
+        const RADII_PER_CELL: f32 = 3.0;
+        let fitting = 2.0 / (RADII_PER_CELL * self.radius * pixel_angle.max(1e-6));
+        let side = if self.grid_side == 0 { (fitting as u32).clamp(4, 48) } else { self.grid_side.max(4) };
+        GridShape::new(eye, extent * self.grid_half, side, self.grid_reach)
     }
 
     /// The settings as stages see them.

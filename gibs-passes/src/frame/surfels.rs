@@ -12,6 +12,8 @@ use glam::UVec2;
 pub struct SurfelFrame {
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Angle that a pixel in the middle of the picture subtends, radians.
+    pub pixel_angle: f32,
     /// Settings.
     pub settings: Settings,
 }
@@ -85,7 +87,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
 
     // Persistent
     let surfels = update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
-    let (grid, overflow) = build_grid(g, shape, &surfels, settings, capacity);
+    let (grid, overflow) = build_grid(g, shape, &surfels, frame, capacity);
     let surfels = integrate_rays(g, &scene, &grid, &device_settings, surfels, settings, per_point);
 
     // Spawn
@@ -150,10 +152,10 @@ fn build_grid(
     g: &mut Graph,
     shape: Buffer<GridShape>,
     surfels: &Surfels,
-    settings: &Settings,
+    frame: &SurfelFrame,
     capacity: u64,
 ) -> (Grid, Buffer<u32>) {
-    let cells = u64::from(settings.grid(glam::Vec3::ZERO, 1.0).cells());
+    let cells = u64::from(frame.settings.grid(glam::Vec3::ZERO, 1.0, frame.pixel_angle).cells());
     let counts = g.zeroed("grid_counts", cells);
     let inputs = grid_count::Inputs { grid: &shape, poses: &surfels.poses, counts };
     let counts =

@@ -16,10 +16,11 @@ pub const RADIUS_SHARE: f32 = 0.75;
 pub const THICKNESS: f32 = 1.5;
 
 impl GridShape {
-    /// A grid around `centre`: the cube reaches `half` metres, with `side` cells along each axis, and `slices` slices
-    /// along each half-axis. The last slice has no end.
-    pub fn new(centre: Vec3, half: f32, side: u32, slices: u32) -> Self {
+    /// A grid around `centre`: the cube reaches `half` metres, with `side` cells along each axis; slices follow along
+    /// each half-axis up to `reach` times that, where the last one begins, which has no end.
+    pub fn new(centre: Vec3, half: f32, side: u32, reach: f32) -> Self {
         let growth = 1.0 + THICKNESS * 2.0 / side as f32;
+        let slices = (reach.log2() / growth.log2()).ceil().max(1.0) as u32;
         Self { centre, half, side, slices, growth, per_octave: 1.0 / growth.log2() }
     }
 
@@ -122,7 +123,7 @@ mod tests {
     #[test]
     fn every_point_lies_in_the_cell_it_maps_to() {
         for (half, side) in [(1e-3, 16), (0.5, 32), (100.0, 24)] {
-            let grid = GridShape::new(Vec3::new(0.1, -0.2, 0.3) * half, half, side, 96);
+            let grid = GridShape::new(Vec3::new(0.1, -0.2, 0.3) * half, half, side, 200.0);
             for i in 0..50_000 {
                 // From a thousandth of the cube to far beyond the last slice.
                 let scale = half * 10f32.powf(4.5 + 7.5 * random_unit(i, 3)).max(1e-3);
@@ -137,7 +138,7 @@ mod tests {
     /// A point inside a surfel's sphere always finds the surfel in its own cell.
     #[test]
     fn a_point_in_a_sphere_lies_in_an_overlapped_cell() {
-        let grid = GridShape::new(Vec3::ZERO, 0.5, 32, 96);
+        let grid = GridShape::new(Vec3::ZERO, 0.5, 32, 200.0);
         for i in 0..100_000 {
             let scale = 0.5 * 10f32.powf(1.2 + 1.2 * random_unit(i, 3));
             let p = Vec3::new(random_unit(i, 0), random_unit(i, 1), random_unit(i, 2)) * scale;
