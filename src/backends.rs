@@ -66,9 +66,13 @@ pub fn open(choice: Choice) -> Result<Box<dyn Backend>, BackendError> {
     match choice {
         Choice::Auto => auto(),
         #[cfg(feature = "cpu")]
-        Choice::Cpu => Ok(Box::new(gibs_backend_cpu::CpuBackend::new(gibs_backend_cpu::Options::default())?)),
+        Choice::Cpu => Ok(Box::new(gibs_backend_cpu::CpuBackend::new(
+            gibs_backend_cpu::Options::default(),
+        )?)),
         #[cfg(feature = "wgpu")]
-        Choice::Wgpu => Ok(Box::new(gibs_backend_wgpu::WgpuBackend::new(gibs_backend_wgpu::Options::default())?)),
+        Choice::Wgpu => Ok(Box::new(gibs_backend_wgpu::WgpuBackend::new(
+            gibs_backend_wgpu::Options::default(),
+        )?)),
         #[cfg(feature = "vulkan")]
         Choice::Vulkan => Ok(Box::new(gibs_backend_vulkan::VulkanBackend::new(
             gibs_backend_vulkan::Options::default(),
@@ -88,7 +92,13 @@ fn auto() -> Result<Box<dyn Backend>, BackendError> {
     let mut last = None;
     for &choice in BUILT {
         match open(choice) {
-            Ok(found) if best.as_ref().is_none_or(|b| rank(found.device()) > rank(b.device())) => best = Some(found),
+            Ok(found)
+                if best
+                    .as_ref()
+                    .is_none_or(|b| rank(found.device()) > rank(b.device())) =>
+            {
+                best = Some(found)
+            }
             Ok(_) => {}
             Err(error) => last = Some(error),
         }

@@ -1,12 +1,14 @@
 //! Path-traced ground truth.
 use crate::picture::Picture;
-use crate::renderer::{RenderError, check_size, compile, device_scene, read_output, set, surface_channels};
+use crate::renderer::{
+    RenderError, check_size, compile, device_scene, read_output, set, surface_channels,
+};
 use crate::view::View;
 use gibs_graph::{Backend, Graph};
 use gibs_passes::data::{ReferencePath, SurfacePoint};
 use gibs_passes::frame::{
-    FrameUpdate, ReferenceUpdate, SceneSizes, Settings, gbuffer_frame, reference_frame, upload_frame,
-    upload_reference, upload_scene,
+    FrameUpdate, ReferenceUpdate, SceneSizes, Settings, gbuffer_frame, pixel_angle,
+    reference_frame, upload_frame, upload_reference, upload_scene,
 };
 use gibs_passes::scene::Scene;
 use gibs_passes::shared::estimator::luminance;
@@ -62,8 +64,16 @@ pub fn reference(
     gbuffer_frame(&mut g, options.size, &sizes);
     let mut exec = backend.prepare(Arc::new(compile(g)?), None)?;
     upload_scene(exec.as_mut(), &device)?;
-    let update = FrameUpdate { camera: &view.camera, size: options.size, number: 0, seed: options.seed };
-    upload_frame(exec.as_mut(), &device, &Settings::default(), &update)?;
+    let settings = Settings::default();
+    let grid = settings.grid(pixel_angle(&view.camera, options.size));
+    let update = FrameUpdate {
+        camera: &view.camera,
+        size: options.size,
+        number: 0,
+        seed: options.seed,
+        grid,
+    };
+    upload_frame(exec.as_mut(), &device, &settings, &update)?;
     exec.run()?;
     let points: Vec<SurfacePoint> = read_output(exec.as_mut(), "points")?;
 
@@ -77,7 +87,16 @@ pub fn reference(
     let mut frames = 0;
     loop {
         let (size, samples, seed) = (options.size, options.samples, options.seed);
-        upload_reference(exec.as_mut(), &device, &ReferenceUpdate { size, samples, number: frames, seed })?;
+        upload_reference(
+            exec.as_mut(),
+            &device,
+            &ReferenceUpdate {
+                size,
+                samples,
+                number: frames,
+                seed,
+            },
+        )?;
         exec.run()?;
         frames += 1;
         // Every path has at least one segment, so that nothing can be done before.
@@ -108,10 +127,17 @@ fn compose(
     let mean = |p: &ReferencePath| p.sum / p.done.max(1) as f32;
     let mut picture = surface_channels(points, options.size, view, device.origin)?;
     set(&mut picture, "E", paths.iter().map(mean))?;
-    let indirect: Vec<Vec3> =
-        paths.iter().zip(points).map(|(p, s)| surface::albedo(s) * std::f32::consts::FRAC_1_PI * mean(p)).collect();
+    let indirect: Vec<Vec3> = paths
+        .iter()
+        .zip(points)
+        .map(|(p, s)| surface::albedo(s) * std::f32::consts::FRAC_1_PI * mean(p))
+        .collect();
     set(&mut picture, "indirect", indirect.iter().copied())?;
-    set(&mut picture, "", indirect.iter().zip(points).map(|(&i, s)| i + s.emission))?;
+    set(
+        &mut picture,
+        "",
+        indirect.iter().zip(points).map(|(&i, s)| i + s.emission),
+    )?;
     let variance = |p: &ReferencePath| {
         let n = f64::from(p.done.max(2));
         let mean = f64::from(luminance(p.sum)) / n;
@@ -122,8 +148,17 @@ fn compose(
     let count = seen().count().max(1) as f64;
     let average = seen().map(|p| f64::from(luminance(mean(p)))).sum::<f64>() / count;
     let error = (seen().map(variance).sum::<f64>() / count).sqrt();
-    picture.set_scalar("standard_error.Y", paths.iter().map(|p| variance(p).sqrt() as f32).collect())?;
-    picture.set_scalar("firefly.A", paths.iter().map(|p| f32::from(u8::from(firefly(p)))).collect())?;
+    picture.set_scalar(
+        "standard_error.Y",
+        paths.iter().map(|p| variance(p).sqrt() as f32).collect(),
+    )?;
+    picture.set_scalar(
+        "firefly.A",
+        paths
+            .iter()
+            .map(|p| f32::from(u8::from(firefly(p))))
+            .collect(),
+    )?;
     let certainty = Certainty {
         samples: options.samples,
         standard_error: if average > 0.0 { error / average } else { 0.0 },

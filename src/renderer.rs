@@ -6,9 +6,11 @@ use gibs_passes::accel::BuildError;
 use gibs_passes::data::{SurfacePoint, SurfelCounters};
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, SceneSizes, Settings, SurfelFrame, surfel_frame, upload_frame, upload_scene,
+    FrameUpdate, SceneSizes, Settings, SurfelFrame, pixel_angle, surfel_frame, upload_frame,
+    upload_scene,
 };
 use gibs_passes::scene::Scene;
+use gibs_passes::shared::grid::GridLayout;
 use gibs_passes::shared::{octahedral, surface};
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
@@ -59,6 +61,7 @@ pub struct Renderer {
     size: [u32; 2],
     seed: u32,
     frame: u32,
+    grid: GridLayout,
 }
 
 /// A backend's shader compiler check, where this build has one.
@@ -77,8 +80,12 @@ pub fn device_scene(scene: &Scene, view: &View) -> Result<DeviceScene, RenderErr
     let pose = scene.pose(&view.animation);
     // On a lattice, so that the origin does not depend on tiny changes of the camera.
     let origin = (view.camera.position / 16.0).round() * 16.0;
-    DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment)
-        .map_err(|source| RenderError::Scene { scene: scene.name.clone(), source })
+    DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment).map_err(
+        |source| RenderError::Scene {
+            scene: scene.name.clone(),
+            source,
+        },
+    )
 }
 
 pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
@@ -86,7 +93,11 @@ pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
     if size.iter().all(|&side| (1..=MOST_PIXELS).contains(&side)) {
         Ok(())
     } else {
-        Err(RenderError::Size { width, height, most: MOST_PIXELS })
+        Err(RenderError::Size {
+            width,
+            height,
+            most: MOST_PIXELS,
+        })
     }
 }
 
@@ -101,8 +112,12 @@ pub fn schedule(
     settings: &Settings,
 ) -> Result<Schedule, RenderError> {
     let mut g = Graph::new("surfels");
-    let pixel_angle = FrameUpdate { camera: &view.camera, size, number: 0, seed: 0 }.pixel_angle();
-    let frame = SurfelFrame { size, pixel_angle, settings: settings.clone() };
+    let grid = settings.grid(pixel_angle(&view.camera, size));
+    let frame = SurfelFrame {
+        size,
+        grid,
+        settings: settings.clone(),
+    };
     surfel_frame(&mut g, &frame, &SceneSizes::of(scene));
     Ok(compile(g)?)
 }
@@ -123,9 +138,19 @@ impl Renderer {
         check_size(size)?;
         let scene = device_scene(scene, view)?;
         let schedule = schedule(&scene, view, size, settings)?;
+        let grid = settings.grid(pixel_angle(&view.camera, size));
         let mut exec = backend.prepare(Arc::new(schedule), None)?;
         upload_scene(exec.as_mut(), &scene)?;
-        Ok(Self { exec, scene, view: view.clone(), settings: settings.clone(), size, seed, frame: 0 })
+        Ok(Self {
+            exec,
+            scene,
+            view: view.clone(),
+            settings: settings.clone(),
+            size,
+            seed,
+            frame: 0,
+            grid,
+        })
     }
 
     /// Renders the next frame.
@@ -133,12 +158,22 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn frame(&mut self) -> Result<(), RenderError> {
-        let update =
-            FrameUpdate { camera: &self.view.camera, size: self.size, number: self.frame, seed: self.seed };
+        let update = FrameUpdate {
+            camera: &self.view.camera,
+            size: self.size,
+            number: self.frame,
+            seed: self.seed,
+            grid: self.grid,
+        };
         upload_frame(self.exec.as_mut(), &self.scene, &self.settings, &update)?;
         self.exec.run()?;
         self.frame = self.frame.wrapping_add(1);
         Ok(())
+    }
+
+    /// Looks from elsewhere from the next frame on. Everything that the surfels know stays.
+    pub fn set_camera(&mut self, camera: gibs_passes::scene::Camera) {
+        self.view.camera = camera;
     }
 
     /// Waits for all frames.
@@ -164,8 +199,16 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn counters(&mut self) -> Result<SurfelCounters, RenderError> {
-        let mut counters: SurfelCounters = self.output("counters")?.first().copied().unwrap_or_default();
-        counters.overflow = self.output::<u32>("overflow")?.first().copied().unwrap_or_default();
+        let mut counters: SurfelCounters = self
+            .output("counters")?
+            .first()
+            .copied()
+            .unwrap_or_default();
+        counters.overflow = self
+            .output::<u32>("overflow")?
+            .first()
+            .copied()
+            .unwrap_or_default();
         Ok(counters)
     }
 
@@ -183,7 +226,10 @@ impl Renderer {
         set(&mut picture, "E", irradiance.iter().map(|e| e.truncate()))?;
         set(&mut picture, "direct", direct.iter().map(|d| d.truncate()))?;
         let albedos = points.iter().map(surface::albedo);
-        let indirect = irradiance.iter().zip(albedos).map(|(e, a)| a * e.truncate() * std::f32::consts::FRAC_1_PI);
+        let indirect = irradiance
+            .iter()
+            .zip(albedos)
+            .map(|(e, a)| a * e.truncate() * std::f32::consts::FRAC_1_PI);
         set(&mut picture, "indirect", indirect)?;
         picture.set_scalar("coverage.A", irradiance.iter().map(|e| e.w).collect())?;
         Ok(picture)
@@ -195,13 +241,22 @@ impl Renderer {
 }
 
 /// The elements of an output of a schedule.
-pub(crate) fn read_output<T: bytemuck::Pod>(exec: &mut dyn Executable, name: &str) -> Result<Vec<T>, RenderError> {
-    let Some(resource) = exec.schedule().output(name) else { return Ok(Vec::new()) };
+pub(crate) fn read_output<T: bytemuck::Pod>(
+    exec: &mut dyn Executable,
+    name: &str,
+) -> Result<Vec<T>, RenderError> {
+    let Some(resource) = exec.schedule().output(name) else {
+        return Ok(Vec::new());
+    };
     let bytes = exec.read(resource)?;
     Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
 
-pub(crate) fn set(picture: &mut Picture, layer: &str, values: impl Iterator<Item = Vec3>) -> Result<(), PictureError> {
+pub(crate) fn set(
+    picture: &mut Picture,
+    layer: &str,
+    values: impl Iterator<Item = Vec3>,
+) -> Result<(), PictureError> {
     let mut planes = [const { Vec::new() }; 3];
     for v in values {
         for (plane, x) in planes.iter_mut().zip(v.to_array()) {
@@ -222,9 +277,27 @@ pub(crate) fn surface_channels(
     let seen = |p: &SurfacePoint| surface::is_surface(p);
     let eye = (view.camera.position - origin).as_vec3();
     let forward = view.camera.axes()[2].as_vec3();
-    let world = |p: &SurfacePoint| if seen(p) { (p.position.as_dvec3() + origin).as_vec3() } else { Vec3::ZERO };
-    let normal = |p: &SurfacePoint| if seen(p) { octahedral::unpack(p.shading_normal) } else { Vec3::ZERO };
-    let depth = |p: &SurfacePoint| if seen(p) { (p.position - eye).dot(forward) } else { 0.0 };
+    let world = |p: &SurfacePoint| {
+        if seen(p) {
+            (p.position.as_dvec3() + origin).as_vec3()
+        } else {
+            Vec3::ZERO
+        }
+    };
+    let normal = |p: &SurfacePoint| {
+        if seen(p) {
+            octahedral::unpack(p.shading_normal)
+        } else {
+            Vec3::ZERO
+        }
+    };
+    let depth = |p: &SurfacePoint| {
+        if seen(p) {
+            (p.position - eye).dot(forward)
+        } else {
+            0.0
+        }
+    };
     set(&mut picture, "albedo", points.iter().map(surface::albedo))?;
     set(&mut picture, "emission", points.iter().map(|p| p.emission))?;
     let xyz = |f: &dyn Fn(&SurfacePoint) -> Vec3| {
@@ -239,6 +312,12 @@ pub(crate) fn surface_channels(
     picture.set_xyz("normal", xyz(&normal))?;
     picture.set_xyz("position", xyz(&world))?;
     picture.set_scalar("depth.Z", points.iter().map(depth).collect())?;
-    picture.set_scalar("mask.A", points.iter().map(|p| f32::from(u8::from(seen(p)))).collect())?;
+    picture.set_scalar(
+        "mask.A",
+        points
+            .iter()
+            .map(|p| f32::from(u8::from(seen(p))))
+            .collect(),
+    )?;
     Ok(picture)
 }

@@ -198,7 +198,7 @@ impl CpuExecutable {
 /// The vector without its views, for views of another lifetime. Collecting reuses the allocation, so that a frame
 /// makes none.
 fn emptied<'a>(views: Vec<RawView<'_>>) -> Vec<RawView<'a>> {
-    views.into_iter().filter_map(|_| None).collect()
+    views.into_iter().map_while(|_| None).collect()
 }
 
 impl Executable for CpuExecutable {

@@ -88,6 +88,16 @@ fn reset_brings_back_initial_values_and_leaves_inputs() {
         assert_eq!(read(&mut *exec, "total"), vec![8; LEN as usize]);
         assert_eq!(read(&mut *exec, "age"), ages(1));
     }
+    // Both allocations of the history: a step alone, which rotates nothing, reads the previous one.
+    run(&mut *exec, 2);
+    exec.reset().unwrap();
+    let steps = &exec.schedule().steps;
+    let advance = steps
+        .iter()
+        .position(|step| step.label == "advance")
+        .unwrap();
+    exec.run_step(advance).unwrap();
+    assert_eq!(read(&mut *exec, "age"), ages(1));
 }
 
 #[test]

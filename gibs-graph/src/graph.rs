@@ -1,10 +1,9 @@
 //! Recording a frame: resources and stages.
 use crate::handle::GraphToken;
 use crate::{
-    Access, Buffer, DispatchArgs, Element, GraphError, KernelSource, Layout, Port, Previous, Stage,
-    State,
+    Access, Buffer, DispatchArgs, Element, GraphError, Initial, KernelSource, Kind, Layout, Port,
+    Previous, Stage, State,
 };
-use serde::Serialize;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -28,57 +27,6 @@ pub(crate) struct ResourceDecl {
     pub len: u64,
     /// Version that the next frame starts from.
     pub kept: Option<u32>,
-}
-
-/// What a resource is for.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub enum Kind {
-    /// Written by the host between frames; keeps its content.
-    Input,
-    /// Lives within a frame; undefined at its start.
-    Transient,
-    /// Lives within a frame; zero at its start.
-    Zeroed,
-    /// Outlives the frame, changed in place.
-    State(Initial),
-    /// Outlives the frame, in two rotating allocations, so that the frame before can still be read.
-    History(Initial),
-}
-
-impl Kind {
-    /// The content outlives the frame.
-    pub fn persists(&self) -> bool {
-        matches!(self, Kind::Input | Kind::State(_) | Kind::History(_))
-    }
-}
-
-/// Content of a state before the first frame and after a reset.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub enum Initial {
-    /// All bytes zero.
-    Zero,
-    /// 0, 1, 2, ... as `u32`.
-    Sequence,
-    /// One element, repeated.
-    Fill(Vec<u8>),
-}
-
-impl Initial {
-    /// One element, repeated.
-    pub fn fill<T: Element>(value: T) -> Self {
-        Initial::Fill(bytemuck::bytes_of(&value).to_vec())
-    }
-
-    /// The content of a buffer of `bytes` bytes.
-    pub fn bytes(&self, bytes: usize) -> Vec<u8> {
-        match self {
-            Initial::Zero => vec![0; bytes],
-            Initial::Sequence => (0..bytes / 4)
-                .flat_map(|i| (i as u32).to_ne_bytes())
-                .collect(),
-            Initial::Fill(element) => element.iter().copied().cycle().take(bytes).collect(),
-        }
-    }
 }
 
 /// A stage as recorded.

@@ -17,6 +17,7 @@ mod export;
 mod graph;
 mod handle;
 mod kernel;
+mod kind;
 mod port;
 mod schedule;
 mod shader;
@@ -26,9 +27,10 @@ mod view;
 pub use backend::{Backend, BackendError, DeviceInfo, Executable, StepTime, check_range};
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
-pub use graph::{Dispatch, Graph, Initial, Kind, MAX_GROUPS, Recorder, groups_for};
+pub use graph::{Dispatch, Graph, MAX_GROUPS, Recorder, groups_for};
 pub use handle::{Buffer, Previous, State};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
+pub use kind::{Initial, Kind};
 pub use port::{Access, Port};
 pub use schedule::{
     Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Output, Resource, ResourceId,

@@ -7,12 +7,6 @@ use gibs_graph::{
     Buffer, Dispatch, Graph, GraphError, Initial, KernelSource, MAX_GROUPS, Port, ShaderCompiler,
 };
 
-const LEN: u64 = 100;
-
-fn all() -> Dispatch<'static> {
-    Dispatch::Elements(LEN)
-}
-
 /// The messages of a graph that does not compile.
 fn messages(graph: Graph) -> Vec<String> {
     graph

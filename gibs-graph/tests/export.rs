@@ -4,11 +4,8 @@ mod common;
 use common::*;
 use gibs_graph::{Dispatch, Graph, Initial, Schedule};
 
-const LEN: u64 = 100;
-
 /// A frame with a clear, a barrier, an indirect dispatch, a state, a dead stage, and names that need escaping.
 fn schedule() -> Schedule {
-    let all = || Dispatch::Elements(LEN);
     let mut g = Graph::new("a \"frame\"");
     let source = g.input("source", LEN);
     let counts = g.zeroed("counts \\ \"odd\"", LEN);

@@ -3,7 +3,12 @@ pub use crate::accel::{BvhNode, Hit, Instance, NONE, Ray, Triangle, WideNode, Wi
 use gibs_graph::{element, element_layout};
 use glam::{Vec2, Vec3, Vec4};
 
-element_layout!(BvhNode { min: Vec3, first: u32, max: Vec3, count: u32 });
+element_layout!(BvhNode {
+    min: Vec3,
+    first: u32,
+    max: Vec3,
+    count: u32
+});
 element_layout!(Triangle {
     v0: Vec3,
     primitive: u32,
@@ -20,9 +25,24 @@ element_layout!(Instance {
     transform_id: u32,
     flags: u32,
 });
-element_layout!(Ray { origin: Vec3, t_min: f32, direction: Vec3, t_max: f32 });
-element_layout!(Hit { t: f32, u: f32, v: f32, triangle: u32, instance: u32 });
-element_layout!(WideNode { planes: [[f32; 8]; 6], children: [u32; 8], sources: [u32; 8] });
+element_layout!(Ray {
+    origin: Vec3,
+    t_min: f32,
+    direction: Vec3,
+    t_max: f32
+});
+element_layout!(Hit {
+    t: f32,
+    u: f32,
+    v: f32,
+    triangle: u32,
+    instance: u32
+});
+element_layout!(WideNode {
+    planes: [[f32; 8]; 6],
+    children: [u32; 8],
+    sources: [u32; 8]
+});
 element_layout!(WidePacket {
     v0: [[f32; 8]; 3],
     e1: [[f32; 8]; 3],

@@ -55,7 +55,9 @@ fn estimator_update(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32,
     var steady = 1.0;
     if deviation > 0.0 {
         relative = stray / deviation;
-        steady = clamp(0.5 * estimator_luminance(short_mean) / deviation, 1.0 / 32.0, 1.0);
+        // Of the brighter mean: a light that goes out must not look like noise around black.
+        let level = max(estimator_luminance(short_mean), estimator_luminance(state.mean));
+        steady = clamp(0.5 * level / deviation, 1.0 / 32.0, 1.0);
     }
     let inconsistency = state.inconsistency + (relative - state.inconsistency) * 0.08;
     let catch_up =

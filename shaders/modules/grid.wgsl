@@ -3,19 +3,20 @@
 import package::portable::portable_log2;
 import package::types::GridShape;
 
-/// Most cells that one surfel can overlap.
-const GRID_MAX_OVERLAP: u32 = 27u;
+/// Number of grids: the cube and six half-axes.
+const GRID_PARTS: u32 = 7u;
+/// A sphere is taken this much larger when its cells are found, so that rounding leaves none out.
+const GRID_MARGIN: f32 = 1.001;
 /// A surfel's radius is at most this share of its cell's side.
-const GRID_RADIUS_SHARE: f32 = 0.75;
-
-/// The distinct cells that a sphere overlaps: the first `count` of `cells`.
-struct GridOverlap {
-    cells: array<u32, 27>,
-    count: u32,
-}
+const GRID_RADIUS_SHARE: f32 = 0.5;
 
 fn grid_index(x: f32, side: u32) -> u32 {
     return u32(clamp((x * 0.5 + 0.5) * f32(side), 0.0, f32(side) - 1.0));
+}
+
+/// The slice at a distance along a half-axis.
+fn grid_slice(m: f32, shape: GridShape) -> u32 {
+    return u32(clamp(portable_log2(m / shape.half) * shape.per_octave, 0.0, f32(shape.slices) - 1.0));
 }
 
 /// The cell of a position.
@@ -41,8 +42,7 @@ fn grid_cell(position: vec3<f32>, shape: GridShape) -> u32 {
         axes = d.yxz;
     }
     face += select(0u, 1u, axes.x < 0.0);
-    let octaves = portable_log2(m / shape.half) * shape.per_octave;
-    let slice = u32(clamp(octaves, 0.0, f32(shape.slices) - 1.0));
+    let slice = grid_slice(m, shape);
     let u = grid_index(axes.y / m, side);
     let v = grid_index(axes.z / m, side);
     return side * side * side + ((face * shape.slices + slice) * side + v) * side + u;
@@ -54,21 +54,60 @@ fn grid_cell_side(position: vec3<f32>, shape: GridShape) -> f32 {
     return 2.0 * max(max(max(a.x, a.y), a.z), shape.half) / f32(shape.side);
 }
 
-/// The distinct cells that the bounding box of a sphere overlaps, in the order of a fixed 3x3x3 pattern of points; the
-/// radius is at most `GRID_RADIUS_SHARE` of the cell side.
-fn grid_overlapped(position: vec3<f32>, radius: f32, shape: GridShape) -> GridOverlap {
-    var found: GridOverlap;
-    for (var i = 0u; i < 27u; i++) {
-        let step = vec3<f32>(vec3<u32>(i % 3u, i / 3u % 3u, i / 9u)) - 1.0;
-        let cell = grid_cell(position + step * radius, shape);
-        var known = false;
-        for (var j = 0u; j < found.count; j++) {
-            known = known || found.cells[j] == cell;
+/// A box of cells in one of the seven grids: cell `(z * side + y) * side + x` above `base`, for each coordinate from
+/// `low` to `high`, both included. For a half-axis, z counts slices.
+struct GridSpan {
+    found: bool,
+    base: u32,
+    low: vec3<u32>,
+    high: vec3<u32>,
+}
+
+fn grid_over(x: f32, near_side: bool, near: f32, far: f32) -> f32 {
+    return x / select(far, near, near_side);
+}
+
+/// The cells of one of the grids that a sphere can overlap: all that it does, and a few more. A cell is in at most one
+/// part's span.
+fn grid_span(position: vec3<f32>, radius: f32, shape: GridShape, part: u32) -> GridSpan {
+    var span: GridSpan;
+    let d = position - shape.centre;
+    let r = radius * GRID_MARGIN;
+    let side = shape.side;
+    if part == 0u {
+        let low = (d - r) / shape.half;
+        let high = (d + r) / shape.half;
+        if max(max(low.x, low.y), low.z) > 1.0 || min(min(high.x, high.y), high.z) < -1.0 {
+            return span;
         }
-        if !known {
-            found.cells[found.count] = cell;
-            found.count++;
-        }
+        span.found = true;
+        span.low = vec3<u32>(grid_index(low.x, side), grid_index(low.y, side), grid_index(low.z, side));
+        span.high = vec3<u32>(grid_index(high.x, side), grid_index(high.y, side), grid_index(high.z, side));
+        return span;
     }
-    return found;
+    let face = part - 1u;
+    var axes = d.zxy;
+    if face < 2u {
+        axes = d.xyz;
+    } else if face < 4u {
+        axes = d.yxz;
+    }
+    let along = select(axes.x, -axes.x, (face & 1u) == 1u);
+    let b = axes.y;
+    let c = axes.z;
+    let far = along + r;
+    if far < shape.half || abs(b) - r > far || abs(c) - r > far {
+        return span;
+    }
+    // Within the half-axis's pyramid the main coordinate lies between the two; a lateral one is divided by it.
+    let near = max(along - r, shape.half);
+    let u0 = grid_over(b - r, b - r < 0.0, near, far);
+    let u1 = grid_over(b + r, b + r > 0.0, near, far);
+    let v0 = grid_over(c - r, c - r < 0.0, near, far);
+    let v1 = grid_over(c + r, c + r > 0.0, near, far);
+    span.found = true;
+    span.base = side * side * side + face * shape.slices * side * side;
+    span.low = vec3<u32>(grid_index(u0, side), grid_index(v0, side), grid_slice(near, shape));
+    span.high = vec3<u32>(grid_index(u1, side), grid_index(v1, side), grid_slice(far, shape));
+    return span;
 }

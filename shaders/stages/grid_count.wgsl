@@ -1,5 +1,5 @@
 // How many surfels each cell lists: every live surfel counts in each cell that its bounding box overlaps.
-import package::grid::grid_overlapped;
+import package::grid::{GRID_PARTS, grid_span};
 import package::invocation::invocation_index;
 import package::types::{GridShape, SurfelPose};
 
@@ -18,10 +18,21 @@ fn main(
         return;
     }
     let pose = poses[i];
-    if pose.radius > 0.0 {
-        var overlapped = grid_overlapped(pose.position, pose.radius, grid);
-        for (var k = 0u; k < overlapped.count; k++) {
-            atomicAdd(&counts[overlapped.cells[k]], 1u);
+    if pose.radius <= 0.0 {
+        return;
+    }
+    for (var part = 0u; part < GRID_PARTS; part++) {
+        let span = grid_span(pose.position, pose.radius, grid, part);
+        if !span.found {
+            continue;
+        }
+        for (var z = span.low.z; z <= span.high.z; z++) {
+            for (var y = span.low.y; y <= span.high.y; y++) {
+                for (var x = span.low.x; x <= span.high.x; x++) {
+                    let cell = span.base + (z * grid.side + y) * grid.side + x;
+                    atomicAdd(&counts[cell], 1u);
+                }
+            }
         }
     }
 }

@@ -1,5 +1,5 @@
 // Surfels into the lists of their cells, in the order of arrival; `grid_order` makes one that does not depend on it.
-import package::grid::grid_overlapped;
+import package::grid::{GRID_PARTS, grid_span};
 import package::invocation::invocation_index;
 import package::types::{GridShape, SurfelPose};
 
@@ -20,13 +20,23 @@ fn main(
         return;
     }
     let pose = poses[i];
-    if pose.radius > 0.0 {
-        var overlapped = grid_overlapped(pose.position, pose.radius, grid);
-        for (var k = 0u; k < overlapped.count; k++) {
-            let cell = overlapped.cells[k];
-            let slot = starts[cell] + atomicAdd(&cursors[cell], 1u);
-            if slot < arrayLength(&entries) {
-                entries[slot] = i;
+    if pose.radius <= 0.0 {
+        return;
+    }
+    for (var part = 0u; part < GRID_PARTS; part++) {
+        let span = grid_span(pose.position, pose.radius, grid, part);
+        if !span.found {
+            continue;
+        }
+        for (var z = span.low.z; z <= span.high.z; z++) {
+            for (var y = span.low.y; y <= span.high.y; y++) {
+                for (var x = span.low.x; x <= span.high.x; x++) {
+                    let cell = span.base + (z * grid.side + y) * grid.side + x;
+                    let slot = starts[cell] + atomicAdd(&cursors[cell], 1u);
+                    if slot < arrayLength(&entries) {
+                        entries[slot] = i;
+                    }
+                }
             }
         }
     }

@@ -25,15 +25,29 @@ fn entry(choice: backends::Choice) -> Entry {
         #[cfg(feature = "wgpu")]
         backends::Choice::Wgpu => gibs_backend_wgpu::devices(),
         #[cfg(feature = "vulkan")]
-        backends::Choice::Vulkan => gibs_backend_vulkan::VulkanBackend::devices().unwrap_or_default(),
+        backends::Choice::Vulkan => {
+            gibs_backend_vulkan::VulkanBackend::devices().unwrap_or_default()
+        }
         _ => Vec::new(),
     };
     if !devices.is_empty() {
-        return Entry { backend, devices, missing: None };
+        return Entry {
+            backend,
+            devices,
+            missing: None,
+        };
     }
     match backends::open(choice) {
-        Ok(opened) => Entry { backend, devices: vec![opened.device().clone()], missing: None },
-        Err(error) => Entry { backend, devices, missing: Some(error.to_string()) },
+        Ok(opened) => Entry {
+            backend,
+            devices: vec![opened.device().clone()],
+            missing: None,
+        },
+        Err(error) => Entry {
+            backend,
+            devices,
+            missing: Some(error.to_string()),
+        },
     }
 }
 
@@ -41,12 +55,18 @@ fn entry(choice: backends::Choice) -> Entry {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let entries: Vec<Entry> = BUILT.iter().map(|&choice| entry(choice)).collect();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&entries).unwrap_or_default());
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&entries).unwrap_or_default()
+        );
         return Ok(());
     }
     for entry in &entries {
         for device in &entry.devices {
-            println!("{:<7} {} ({}, {})", entry.backend, device.name, device.kind, device.driver);
+            println!(
+                "{:<7} {} ({}, {})",
+                entry.backend, device.name, device.kind, device.driver
+            );
             for note in &device.notes {
                 println!("        {note}");
             }

@@ -16,7 +16,7 @@ use thiserror::Error;
 pub enum CommandError {
     /// Comparing.
     #[error(transparent)]
-    Compare(#[from] CompareCommandError),
+    Compare(Box<CompareCommandError>),
     /// Reading a scene.
     #[error(transparent)]
     Scene(#[from] ImportError),
@@ -68,13 +68,21 @@ pub enum CommandError {
         names: String,
     },
     /// Output that is not a number.
-    #[error("{count} of {pixels} pixels of the picture are not finite; please report this with the command line")]
+    #[error(
+        "{count} of {pixels} pixels of the picture are not finite; please report this with the command line"
+    )]
     NonFinite {
         /// Pixels.
         count: usize,
         /// All pixels.
         pixels: usize,
     },
+}
+
+impl From<CompareCommandError> for CommandError {
+    fn from(error: CompareCommandError) -> Self {
+        Self::Compare(Box::new(error))
+    }
 }
 
 impl CommandError {

@@ -36,7 +36,14 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
-    let mut renderer = Renderer::new(backend.as_ref(), &loaded.scene, &loaded.view, loaded.size, &settings, 0)?;
+    let mut renderer = Renderer::new(
+        backend.as_ref(),
+        &loaded.scene,
+        &loaded.view,
+        loaded.size,
+        &settings,
+        0,
+    )?;
     for _ in 0..args.frames {
         renderer.frame()?;
     }
@@ -60,15 +67,31 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .steps
         .iter()
         .zip(&medians)
-        .map(|(step, &median_ms)| Row { step: step.label.clone(), median_ms, share: median_ms / total.max(1e-9) })
+        .map(|(step, &median_ms)| Row {
+            step: step.label.clone(),
+            median_ms,
+            share: median_ms / total.max(1e-9),
+        })
         .collect();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&rows).unwrap_or_default());
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&rows).unwrap_or_default()
+        );
         return Ok(());
     }
-    println!("{} on {}: {total:.2} ms a frame in {steps} steps", backend.name(), backend.device().name);
+    println!(
+        "{} on {}: {total:.2} ms a frame in {steps} steps",
+        backend.name(),
+        backend.device().name
+    );
     for row in rows {
-        println!("{:>9.3} ms {:>5.1} %  {}", row.median_ms, row.share * 100.0, row.step);
+        println!(
+            "{:>9.3} ms {:>5.1} %  {}",
+            row.median_ms,
+            row.share * 100.0,
+            row.step
+        );
     }
     Ok(())
 }

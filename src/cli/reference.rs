@@ -33,24 +33,40 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let start = Instant::now();
-    let out = args.out.clone().unwrap_or_else(|| default_out(&args.scene.scene));
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| default_out(&args.scene.scene));
     Format::of(&out)?;
     ensure_writable(&out)?;
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
-    let options = ReferenceOptions { size: loaded.size, samples: args.spp, seed: args.seed };
+    let options = ReferenceOptions {
+        size: loaded.size,
+        samples: args.spp,
+        seed: args.seed,
+    };
     // How many segments paths have is not known before; three per sample is usual.
     let bar = progress(u64::from(args.spp) * 3, "path tracing");
-    let rendered = reference(backend.as_ref(), &loaded.scene, &loaded.view, &options, |frames, _| {
-        bar.set_length(bar.length().unwrap_or(0).max(u64::from(frames)));
-        bar.set_position(u64::from(frames));
-    });
+    let rendered = reference(
+        backend.as_ref(),
+        &loaded.scene,
+        &loaded.view,
+        &options,
+        |frames, _| {
+            bar.set_length(bar.length().unwrap_or(0).max(u64::from(frames)));
+            bar.set_position(u64::from(frames));
+        },
+    );
     bar.finish_and_clear();
     let (picture, certainty) = rendered?;
     write(&picture, &out, loaded.view.exposure)?;
     check_finite(&picture)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&certainty).unwrap_or_default());
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&certainty).unwrap_or_default()
+        );
     } else {
         println!(
             "{} on {} ({}): {} samples per pixel of {}x{} in {:.1} s; standard error {:.2} % per pixel, {:.2} % per \

@@ -63,7 +63,11 @@ pub(super) fn progress(length: u64, what: &'static str) -> ProgressBar {
 }
 
 /// Writes a picture as its extension says; a PNG goes beside an EXR.
-pub(super) fn write(picture: &Picture, out: &std::path::Path, exposure: f32) -> Result<(), CommandError> {
+pub(super) fn write(
+    picture: &Picture,
+    out: &std::path::Path,
+    exposure: f32,
+) -> Result<(), CommandError> {
     picture.write(out, exposure)?;
     if Format::of(out)? == Format::Exr {
         picture.write_preview(&out.with_extension("png"), "", exposure)?;
@@ -76,9 +80,21 @@ pub(super) fn check_finite(picture: &Picture) -> Result<(), CommandError> {
     let bad: std::collections::BTreeSet<usize> = picture
         .channels
         .values()
-        .flat_map(|c| c.iter().enumerate().filter(|(_, x)| !x.is_finite()).map(|(i, _)| i))
+        .flat_map(|c| {
+            c.iter()
+                .enumerate()
+                .filter(|(_, x)| !x.is_finite())
+                .map(|(i, _)| i)
+        })
         .collect();
-    if bad.is_empty() { Ok(()) } else { Err(CommandError::NonFinite { count: bad.len(), pixels: picture.pixels() }) }
+    if bad.is_empty() {
+        Ok(())
+    } else {
+        Err(CommandError::NonFinite {
+            count: bad.len(),
+            pixels: picture.pixels(),
+        })
+    }
 }
 
 /// Where a picture of a scene goes that nobody named.
@@ -91,13 +107,22 @@ pub(super) fn default_out(scene: &str) -> PathBuf {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let start = Instant::now();
     let settings = args.settings.load()?;
-    let out = args.out.clone().unwrap_or_else(|| default_out(&args.scene.scene));
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| default_out(&args.scene.scene));
     Format::of(&out)?;
     ensure_writable(&out)?;
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
-    let mut renderer =
-        Renderer::new(backend.as_ref(), &loaded.scene, &loaded.view, loaded.size, &settings, args.seed)?;
+    let mut renderer = Renderer::new(
+        backend.as_ref(),
+        &loaded.scene,
+        &loaded.view,
+        loaded.size,
+        &settings,
+        args.seed,
+    )?;
     for warning in renderer.warnings() {
         eprintln!("warning: {warning}");
     }
@@ -126,13 +151,19 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         surfels: settings.surfels - counters.free,
         surfels_without_slot: counters.starved,
         grid_overflow: counters.overflow,
-        bytes: renderer.executable().schedule().bytes(backend.name() == "cpu"),
+        bytes: renderer
+            .executable()
+            .schedule()
+            .bytes(backend.name() == "cpu"),
         seconds_to_first_frame,
         seconds_per_frame,
         out,
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&summary).unwrap_or_default());
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&summary).unwrap_or_default()
+        );
     } else {
         println!(
             "{} on {} ({}): {} frames of {}x{}, first after {:.2} s, then {:.1} ms each; {} surfels, {:.0} MB; wrote {}",
@@ -149,10 +180,16 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             summary.out.display()
         );
         if counters.starved > 0 {
-            eprintln!("warning: {} births found no free surfel; raise `surfels`", counters.starved);
+            eprintln!(
+                "warning: {} births found no free surfel; raise `surfels`",
+                counters.starved
+            );
         }
         if counters.overflow > 0 {
-            eprintln!("warning: {} entries did not fit the grid; raise `surfels` or lower `radius`", counters.overflow);
+            eprintln!(
+                "warning: {} entries did not fit the grid; raise `surfels` or lower `radius`",
+                counters.overflow
+            );
         }
     }
     Ok(())

@@ -21,7 +21,9 @@ pub struct SceneArgs {
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
-    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let parsed = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     parsed.ok_or_else(|| "give width and height in pixels, such as 960x540".into())
 }
 
@@ -42,10 +44,15 @@ impl SceneArgs {
             Some((scene, view)) => (scene, Some(view)),
             None => {
                 let path = Path::new(&self.scene);
-                let is_scene = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"));
+                let is_scene = path.extension().is_some_and(|e| {
+                    e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb")
+                });
                 if !is_scene && !path.exists() {
                     let names: Vec<_> = builtin::names().iter().map(|(name, _)| *name).collect();
-                    return Err(CommandError::NoScene { name: self.scene.clone(), names: names.join(", ") });
+                    return Err(CommandError::NoScene {
+                        name: self.scene.clone(),
+                        names: names.join(", "),
+                    });
                 }
                 let imported = gltf_import::load(path)?;
                 for warning in &imported.warnings {
@@ -85,8 +92,11 @@ pub struct SettingsArgs {
 }
 
 /// Elements that `--without` switches off, and what that sets.
-const ELEMENTS: &[(&str, &str, &str)] =
-    &[("depth", "depth", "off"), ("clamp", "clamp", "off"), ("continuation", "continuations", "0")];
+const ELEMENTS: &[(&str, &str, &str)] = &[
+    ("depth", "depth", "off"),
+    ("clamp", "clamp", "off"),
+    ("continuation", "continuations", "0"),
+];
 
 impl SettingsArgs {
     /// The settings: defaults, then the file, then `--rays`, `--without` and `--set`.
@@ -94,7 +104,10 @@ impl SettingsArgs {
         let mut settings = match &self.settings {
             None => Settings::default(),
             Some(path) => {
-                let wrong = |message: String| CommandError::SettingsFile { path: path.clone(), message };
+                let wrong = |message: String| CommandError::SettingsFile {
+                    path: path.clone(),
+                    message,
+                };
                 let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
                 let settings: Settings = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
                 settings.check().map_err(|e| wrong(e.to_string()))?;
@@ -108,14 +121,22 @@ impl SettingsArgs {
             let Some((_, key, value)) = ELEMENTS.iter().find(|(name, ..)| name == element) else {
                 let names: Vec<_> = ELEMENTS.iter().map(|(name, ..)| *name).collect();
                 let want = format!("the elements are {}", names.join(", "));
-                return Err(CommandError::Value { option: "--without", value: element.clone(), want });
+                return Err(CommandError::Value {
+                    option: "--without",
+                    value: element.clone(),
+                    want,
+                });
             };
             settings.set(key, value)?;
         }
         for pair in &self.set {
             let Some((key, value)) = pair.split_once('=') else {
                 let want = "give KEY=VALUE, such as radius=6".into();
-                return Err(CommandError::Value { option: "--set", value: pair.clone(), want });
+                return Err(CommandError::Value {
+                    option: "--set",
+                    value: pair.clone(),
+                    want,
+                });
             };
             settings.set(key.trim(), value.trim())?;
         }

@@ -18,8 +18,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         return Ok(());
     }
     for s in all {
-        let range = format!("{} .. {}", s.least, s.most);
-        println!("{:<14} {:>9} {:<12} {:<18} {}", s.name, s.default, s.unit, range, s.about);
+        // Settings are f32; as such they print as they were written.
+        let range = format!("{} .. {}", s.least as f32, s.most as f32);
+        println!(
+            "{:<14} {:>9} {:<12} {:<18} {}",
+            s.name, s.default as f32, s.unit, range, s.about
+        );
     }
     Ok(())
 }

@@ -1,8 +1,12 @@
 //! Stages without kernels, one per way of touching a resource.
 #![allow(dead_code, reason = "no test file uses all of it")]
+pub mod frame;
 pub mod oracle;
 
-use gibs_graph::{Schedule, Step, WgslSource};
+use gibs_graph::{Buffer, Dispatch, Graph, Schedule, Step, WgslSource};
+
+/// Elements of the test's buffers.
+pub const LEN: u64 = 100;
 
 pub const NO_KERNEL: WgslSource = WgslSource {
     name: "none",
@@ -47,6 +51,29 @@ stages! {
     small Small { uniform config: u32, write target: u32 }
     /// Has a port for wide CPU kernels.
     hosted Hosted { host_only extra: u32, write target: u32 }
+}
+
+/// An invocation per element.
+pub fn all() -> Dispatch<'static> {
+    Dispatch::Elements(LEN)
+}
+
+/// A stage that reads `source` and writes `target`.
+pub fn pass_on(
+    g: &mut Graph,
+    label: &str,
+    source: &Buffer<u32>,
+    target: Buffer<u32>,
+) -> Buffer<u32> {
+    g.add::<pass::Pass>(label, pass::Inputs { source, target }, all())
+        .target
+}
+
+/// The schedule, of which the oracle has nothing to say.
+pub fn compiled(g: Graph) -> Schedule {
+    let schedule = g.compile(None).unwrap();
+    assert_eq!(oracle::unsettled(&schedule), []);
+    schedule
 }
 
 /// The step with this label.

@@ -19,7 +19,10 @@ impl EmitterTable {
     pub(super) fn build(tree: &TwoLevel, materials: &[Material]) -> Self {
         let mut emitters = Vec::new();
         let mut power = 0.0f64;
-        let shines: Vec<bool> = materials.iter().map(|m| m.emission_texels == NONE && luminance(m.emission) > 0.0).collect();
+        let shines: Vec<bool> = materials
+            .iter()
+            .map(|m| m.emission_texels == NONE && luminance(m.emission) > 0.0)
+            .collect();
         if shines.contains(&true) {
             for (i, instance) in tree.instances.iter().enumerate() {
                 // Triangles of a bottom level lie between its first and the next bottom level's first.
@@ -31,7 +34,12 @@ impl EmitterTable {
                     .filter(|&other| other > first)
                     .min()
                     .unwrap_or(tree.triangles.len() as u32);
-                if tree.stats.left_out.iter().any(|(left_out, _)| *left_out == i as u32) {
+                if tree
+                    .stats
+                    .left_out
+                    .iter()
+                    .any(|(left_out, _)| *left_out == i as u32)
+                {
                     continue;
                 }
                 for triangle in &tree.triangles[first as usize..last as usize] {
@@ -69,6 +77,9 @@ impl EmitterTable {
         if emitters.is_empty() {
             emitters.push(Emitter::default());
         }
-        Self { emitters, power: power as f32 }
+        Self {
+            emitters,
+            power: power as f32,
+        }
     }
 }

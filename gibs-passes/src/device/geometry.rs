@@ -35,7 +35,12 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
     let mut instances = Vec::new();
     // Nodes that draw the same rigid meshes share a bottom level.
     let mut shared: HashMap<&[u32], u32> = HashMap::new();
-    for (id, node) in scene.nodes.iter().enumerate().filter(|(_, node)| !node.meshes.is_empty()) {
+    for (id, node) in scene
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, node)| !node.meshes.is_empty())
+    {
         let id = id as u32;
         if node.skin.is_some() {
             let level = skinned_level(scene, pose, origin, id, &mut corners);
@@ -52,7 +57,11 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
             levels.len() as u32 - 1
         });
         let object_to_world = relative(&pose.world[id as usize], origin);
-        instances.push(InstanceInput { blas, object_to_world, transform_id: id });
+        instances.push(InstanceInput {
+            blas,
+            object_to_world,
+            transform_id: id,
+        });
     }
     let parts: Vec<Vec<MeshPart<'_>>> = levels
         .iter()
@@ -71,7 +80,13 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
         })
         .collect();
     let bounds = bounds(scene, &levels, &instances);
-    Ok(Geometry { tree, wide, corners, bounds, warnings })
+    Ok(Geometry {
+        tree,
+        wide,
+        corners,
+        bounds,
+        warnings,
+    })
 }
 
 fn borrow<'a>(scene: &'a Scene, part: &'a Part) -> MeshPart<'a> {
@@ -99,14 +114,25 @@ fn rigid_level(scene: &Scene, meshes: &[u32], corners: &mut Vec<Corners>) -> Lev
             let first_primitive = corners.len() as u32;
             let drawn = &scene.meshes[mesh as usize];
             push_corners(drawn, &drawn.normals, corners);
-            Part { mesh, positions: None, transform_ids: Vec::new(), first_primitive }
+            Part {
+                mesh,
+                positions: None,
+                transform_ids: Vec::new(),
+                first_primitive,
+            }
         })
         .collect();
     Level { parts }
 }
 
 /// Skinned meshes are posed in the world; each triangle moves with the joint that most of its vertices follow.
-fn skinned_level(scene: &Scene, pose: &Pose, origin: DVec3, node: u32, corners: &mut Vec<Corners>) -> Level {
+fn skinned_level(
+    scene: &Scene,
+    pose: &Pose,
+    origin: DVec3,
+    node: u32,
+    corners: &mut Vec<Corners>,
+) -> Level {
     let parts = scene.nodes[node as usize]
         .meshes
         .iter()
@@ -122,7 +148,13 @@ fn skinned_level(scene: &Scene, pose: &Pose, origin: DVec3, node: u32, corners: 
             };
             Part {
                 mesh,
-                positions: Some(posed.positions.iter().map(|&p| (p - origin).as_vec3()).collect()),
+                positions: Some(
+                    posed
+                        .positions
+                        .iter()
+                        .map(|&p| (p - origin).as_vec3())
+                        .collect(),
+                ),
                 transform_ids: drawn.triangles.iter().map(follows).collect(),
                 first_primitive,
             }
@@ -155,12 +187,22 @@ fn bounds(scene: &Scene, levels: &[Level], instances: &[InstanceInput]) -> (Vec3
             continue;
         }
         for i in 0..8 {
-            let pick = |bit: u32, low: f32, high: f32| f64::from(if i >> bit & 1 == 0 { low } else { high });
-            let corner = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
+            let pick = |bit: u32, low: f32, high: f32| {
+                f64::from(if i >> bit & 1 == 0 { low } else { high })
+            };
+            let corner = DVec3::new(
+                pick(0, low.x, high.x),
+                pick(1, low.y, high.y),
+                pick(2, low.z, high.z),
+            );
             let p = instance.object_to_world.transform_point3(corner);
             min = min.min(p);
             max = max.max(p);
         }
     }
-    if min.x > max.x { (Vec3::ZERO, Vec3::ZERO) } else { (min.as_vec3(), max.as_vec3()) }
+    if min.x > max.x {
+        (Vec3::ZERO, Vec3::ZERO)
+    } else {
+        (min.as_vec3(), max.as_vec3())
+    }
 }

@@ -9,7 +9,11 @@ use std::collections::HashMap;
 pub(super) fn pack(scene: &Scene) -> (Vec<Material>, Vec<u32>) {
     let mut texels = texture::srgb_table().to_vec();
     let mut placed: HashMap<u32, u32> = HashMap::new();
-    let materials = scene.materials.iter().map(|m| material(scene, m, &mut texels, &mut placed)).collect();
+    let materials = scene
+        .materials
+        .iter()
+        .map(|m| material(scene, m, &mut texels, &mut placed))
+        .collect();
     (materials, texels)
 }
 
@@ -47,13 +51,21 @@ fn material(
     };
     if let Some(used) = &material.base_color_texture {
         let slot = slot(scene, used, texels, placed);
-        (packed.base_texels, packed.base_size, packed.base_sampler) = (slot.first, slot.size, slot.sampler);
+        (packed.base_texels, packed.base_size, packed.base_sampler) =
+            (slot.first, slot.size, slot.sampler);
         (packed.base_u, packed.base_v) = (slot.u, slot.v);
     }
-    if let Some(used) = material.emission_texture.as_ref().filter(|_| material.emission != Vec3::ZERO) {
+    if let Some(used) = material
+        .emission_texture
+        .as_ref()
+        .filter(|_| material.emission != Vec3::ZERO)
+    {
         let slot = slot(scene, used, texels, placed);
-        (packed.emission_texels, packed.emission_size, packed.emission_sampler) =
-            (slot.first, slot.size, slot.sampler);
+        (
+            packed.emission_texels,
+            packed.emission_size,
+            packed.emission_sampler,
+        ) = (slot.first, slot.size, slot.sampler);
         (packed.emission_u, packed.emission_v) = (slot.u, slot.v);
     }
     packed
@@ -67,7 +79,12 @@ struct Slot {
     v: Vec3,
 }
 
-fn slot(scene: &Scene, used: &TextureRef, texels: &mut Vec<u32>, placed: &mut HashMap<u32, u32>) -> Slot {
+fn slot(
+    scene: &Scene,
+    used: &TextureRef,
+    texels: &mut Vec<u32>,
+    placed: &mut HashMap<u32, u32>,
+) -> Slot {
     let source = &scene.textures[used.texture as usize];
     let first = *placed.entry(used.texture).or_insert_with(|| {
         let first = texels.len() as u32;

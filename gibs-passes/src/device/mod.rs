@@ -65,7 +65,11 @@ impl DeviceScene {
             materials,
             texels,
             lights: lights::pack(scene, pose, origin, sun),
-            transforms: pose.world.iter().map(|world| transform(relative(world, origin))).collect(),
+            transforms: pose
+                .world
+                .iter()
+                .map(|world| transform(relative(world, origin)))
+                .collect(),
             environment: EnvironmentTable::build(environment),
             emitters,
             bounds: geometry.bounds,
@@ -76,24 +80,42 @@ impl DeviceScene {
     /// Length of the diagonal of all geometry, metres; 1 for an empty scene.
     pub fn extent(&self) -> f32 {
         let extent = (self.bounds.1 - self.bounds.0).length();
-        if extent.is_finite() && extent > 0.0 { extent } else { 1.0 }
+        if extent.is_finite() && extent > 0.0 {
+            extent
+        } else {
+            1.0
+        }
     }
 }
 
 /// A world transform relative to the floating origin.
 fn relative(world: &DAffine3, origin: DVec3) -> DAffine3 {
-    DAffine3 { matrix3: world.matrix3, translation: world.translation - origin }
+    DAffine3 {
+        matrix3: world.matrix3,
+        translation: world.translation - origin,
+    }
 }
 
 fn rows(affine: DAffine3) -> [Vec4; 3] {
     let m = affine.matrix3.transpose();
     let t = affine.translation;
-    [m.x_axis.extend(t.x).as_vec4(), m.y_axis.extend(t.y).as_vec4(), m.z_axis.extend(t.z).as_vec4()]
+    [
+        m.x_axis.extend(t.x).as_vec4(),
+        m.y_axis.extend(t.y).as_vec4(),
+        m.z_axis.extend(t.z).as_vec4(),
+    ]
 }
 
 fn transform(world: DAffine3) -> Transform {
     let inverse = world.inverse();
     // Nothing is visible of a node that is flattened; its surfels stay where they are.
-    let inverse = if inverse.is_finite() { inverse } else { DAffine3::IDENTITY };
-    Transform { to_world: rows(world), to_local: rows(inverse) }
+    let inverse = if inverse.is_finite() {
+        inverse
+    } else {
+        DAffine3::IDENTITY
+    };
+    Transform {
+        to_world: rows(world),
+        to_local: rows(inverse),
+    }
 }

@@ -4,6 +4,7 @@ use crate::data::*;
 use crate::device::DeviceScene;
 use crate::scene::Camera as SceneCamera;
 use crate::shared::batch;
+use crate::shared::grid::GridLayout;
 use bytemuck::Pod;
 use gibs_graph::{BackendError, Buffer, DispatchArgs, Executable, Graph};
 use glam::{DVec3, Vec4};
@@ -50,7 +51,10 @@ impl SceneSizes {
 
 /// Handles of the buffers that the host writes.
 #[derive(Debug)]
-#[allow(missing_docs, reason = "each is named as its element type, which is documented")]
+#[allow(
+    missing_docs,
+    reason = "each is named as its element type, which is documented"
+)]
 pub struct SceneInputs {
     pub nodes: Buffer<BvhNode>,
     pub triangles: Buffer<Triangle>,
@@ -91,7 +95,11 @@ impl SceneInputs {
 }
 
 /// Writes `data` to the input called `key`, if the schedule has it.
-pub(crate) fn upload<T: Pod>(exec: &mut dyn Executable, key: &str, data: &[T]) -> Result<(), BackendError> {
+pub(crate) fn upload<T: Pod>(
+    exec: &mut dyn Executable,
+    key: &str,
+    data: &[T],
+) -> Result<(), BackendError> {
     match exec.schedule().resource(key) {
         Some(resource) if !data.is_empty() => exec.upload(resource, 0, bytemuck::cast_slice(data)),
         _ => Ok(()),
@@ -116,6 +124,11 @@ pub fn upload_scene(exec: &mut dyn Executable, scene: &DeviceScene) -> Result<()
     upload(exec, "scene_wide_packets", &scene.wide.packets)
 }
 
+/// Angle that a pixel in the middle of a picture subtends, radians.
+pub fn pixel_angle(camera: &SceneCamera, size: [u32; 2]) -> f32 {
+    (2.0 * (camera.vfov * 0.5).tan() / f64::from(size[1])) as f32
+}
+
 /// What the host says at the start of each frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameUpdate<'a> {
@@ -127,14 +140,11 @@ pub struct FrameUpdate<'a> {
     pub number: u32,
     /// Seed of the run.
     pub seed: u32,
+    /// The grid's shape, as the frame was made for it; its centre and size follow the camera and the scene.
+    pub grid: GridLayout,
 }
 
 impl FrameUpdate<'_> {
-    /// Angle that a pixel in the middle of the picture subtends, radians.
-    pub fn pixel_angle(&self) -> f32 {
-        (2.0 * (self.camera.vfov * 0.5).tan() / f64::from(self.size[1])) as f32
-    }
-
     /// The camera on the device, relative to the floating origin.
     pub fn camera(&self, origin: DVec3) -> Camera {
         let [right, up, forward] = self.camera.axes();
@@ -147,7 +157,7 @@ impl FrameUpdate<'_> {
             right: (right * tan * aspect).as_vec3(),
             height,
             up: (up * tan).as_vec3(),
-            pixel_angle: self.pixel_angle(),
+            pixel_angle: pixel_angle(self.camera, self.size),
             forward: forward.as_vec3(),
             pad: 0,
         }
@@ -175,7 +185,17 @@ pub fn upload_frame(
     };
     upload(exec, "camera", &[camera])?;
     upload(exec, "frame", &[frame])?;
-    upload(exec, "grid", &[settings.grid(camera.eye, scene.extent(), camera.pixel_angle)])?;
+    upload(
+        exec,
+        "grid",
+        &[update
+            .grid
+            .at(camera.eye, scene.extent() * settings.grid_half)],
+    )?;
     upload(exec, "settings", &[settings.device()])?;
-    upload(exec, "pixels", &[batch::args(update.size[0] * update.size[1])])
+    upload(
+        exec,
+        "pixels",
+        &[batch::args(update.size[0] * update.size[1])],
+    )
 }

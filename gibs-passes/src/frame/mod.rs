@@ -5,7 +5,7 @@ mod settings;
 mod surfels;
 mod trace;
 
+pub use inputs::{FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload_frame, upload_scene};
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};
-pub use inputs::{FrameUpdate, SceneInputs, SceneSizes, upload_frame, upload_scene};
-pub use settings::{Settings, SettingError, SettingInfo};
+pub use settings::{SettingError, SettingInfo, Settings};
 pub use surfels::{SurfelFrame, surfel_frame};

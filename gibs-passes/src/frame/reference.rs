@@ -8,7 +8,9 @@ use super::{SceneInputs, SceneSizes};
 use crate::data::{Emitter, Frame, ReferencePath, SurfacePoint};
 use crate::device::DeviceScene;
 use crate::shared::batch;
-use crate::stages::{reference_accumulate, reference_emitters, reference_remaining, reference_scatter};
+use crate::stages::{
+    reference_accumulate, reference_emitters, reference_remaining, reference_scatter,
+};
 use bytemuck::Zeroable;
 use gibs_graph::{BackendError, Buffer, Dispatch, Executable, Graph, Initial};
 
@@ -32,32 +34,73 @@ pub struct ReferenceUpdate {
 pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes) {
     let scene = SceneInputs::declare(g, sizes);
     let most = u64::from(size[0]) * u64::from(size[1]);
-    let batch = Batch { args: &scene.pixels, most, fixed: true };
+    let batch = Batch {
+        args: &scene.pixels,
+        most,
+        fixed: true,
+    };
     let (_, points) = gbuffer(g, &scene, &batch);
     g.output("points", &points);
 }
 
 /// Records one segment of every pixel's path. The input `primary` takes the points of [`gbuffer_frame`]; outputs are
 /// `paths` and `remaining`, the number of pixels that are not done.
-pub fn reference_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes, scene_tables: &DeviceScene) {
+pub fn reference_frame(
+    g: &mut Graph,
+    size: [u32; 2],
+    sizes: &SceneSizes,
+    scene_tables: &DeviceScene,
+) {
     let scene = SceneInputs::declare(g, sizes);
     let most = u64::from(size[0]) * u64::from(size[1]);
-    let batch = Batch { args: &scene.pixels, most, fixed: true };
+    let batch = Batch {
+        args: &scene.pixels,
+        most,
+        fixed: true,
+    };
     let primary: Buffer<SurfacePoint> = g.input("primary", most);
-    let emitters: Buffer<Emitter> = g.input("scene_emitters", scene_tables.emitters.emitters.len() as u64);
-    let sky: Buffer<f32> = g.input("scene_sky_cumulative", scene_tables.environment.cumulative.len() as u64);
-    let (vertices_state, vertices) = g.state("reference_vertices", most, Initial::fill(SurfacePoint::zeroed()));
-    let (paths_state, paths) = g.state("reference_paths", most, Initial::fill(ReferencePath::zeroed()));
+    let emitters: Buffer<Emitter> = g.input(
+        "scene_emitters",
+        scene_tables.emitters.emitters.len() as u64,
+    );
+    let sky: Buffer<f32> = g.input(
+        "scene_sky_cumulative",
+        scene_tables.environment.cumulative.len() as u64,
+    );
+    let (vertices_state, vertices) = g.state(
+        "reference_vertices",
+        most,
+        Initial::fill(SurfacePoint::zeroed()),
+    );
+    let (paths_state, paths) = g.state(
+        "reference_paths",
+        most,
+        Initial::fill(ReferencePath::zeroed()),
+    );
 
     let rays = g.transient("reference_rays", most);
     let scattered = g.add::<reference_scatter::ReferenceScatter>(
         "reference/scatter",
-        reference_scatter::Inputs { frame: &scene.frame, primary: &primary, vertices, paths, rays },
+        reference_scatter::Inputs {
+            frame: &scene.frame,
+            primary: &primary,
+            vertices,
+            paths,
+            rays,
+        },
         Dispatch::Elements(most),
     );
     let (_, points) = surfaces(g, "reference", "", &scene, &batch, &scattered.rays);
     let per_vertex = LIGHTS_PER_VERTEX.min(sizes.lights() as u32);
-    let direct = direct_light(g, "reference", "", &scene, per_vertex, &batch, &scattered.vertices);
+    let direct = direct_light(
+        g,
+        "reference",
+        "",
+        &scene,
+        per_vertex,
+        &batch,
+        &scattered.vertices,
+    );
     let rays = g.transient("emitter_rays", most);
     let samples = g.transient("emitter_samples", most);
     let sampled = g.add::<reference_emitters::ReferenceEmitters>(
@@ -98,7 +141,8 @@ pub fn reference_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes, scene_
         remaining,
     };
     let label = "reference/remaining";
-    let counted = g.add::<reference_remaining::ReferenceRemaining>(label, inputs, Dispatch::Elements(most));
+    let counted =
+        g.add::<reference_remaining::ReferenceRemaining>(label, inputs, Dispatch::Elements(most));
     g.output("paths", &accumulated.paths);
     g.output("remaining", &counted.remaining);
     g.keep(vertices_state, accumulated.vertices);
@@ -129,7 +173,11 @@ pub fn upload_reference(
     if update.number == 0 {
         upload(exec, "scene_emitters", &scene.emitters.emitters)?;
         upload(exec, "scene_sky_cumulative", &scene.environment.cumulative)?;
-        upload(exec, "pixels", &[batch::args(update.size[0] * update.size[1])])?;
+        upload(
+            exec,
+            "pixels",
+            &[batch::args(update.size[0] * update.size[1])],
+        )?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Every setting of the surfel frame, with unit, default and range.
-use crate::data::{GridShape, SurfelSettings};
-use glam::Vec3;
+use crate::data::SurfelSettings;
+use crate::shared::grid::GridLayout;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -185,15 +185,19 @@ impl Settings {
         lights.min(u64::from(self.lights)) as u32
     }
 
-    /// The grid around an eye, for a scene of this diagonal, metres, where a pixel subtends this angle, radians.
+    /// The grid's shape for a picture where a pixel subtends this angle, radians.
     ///
     /// Cells are about three target radii wide: wide enough that the grid does not limit radii, narrow enough that
     /// lists stay short.
-    pub fn grid(&self, eye: Vec3, extent: f32, pixel_angle: f32) -> GridShape {
+    pub fn grid(&self, pixel_angle: f32) -> GridLayout {
         const RADII_PER_CELL: f32 = 3.0;
         let fitting = 2.0 / (RADII_PER_CELL * self.radius * pixel_angle.max(1e-6));
-        let side = if self.grid_side == 0 { (fitting as u32).clamp(4, 48) } else { self.grid_side.max(4) };
-        GridShape::new(eye, extent * self.grid_half, side, self.grid_reach)
+        let side = if self.grid_side == 0 {
+            (fitting as u32).clamp(4, 48)
+        } else {
+            self.grid_side.max(4)
+        };
+        GridLayout::new(side, self.grid_reach)
     }
 
     /// The settings as stages see them.
@@ -221,7 +225,10 @@ mod tests {
     fn every_default_is_within_its_range() {
         Settings::default().check().expect("defaults are valid");
         for info in Settings::all() {
-            assert!(!info.about.is_empty() && info.least <= info.default && info.default <= info.most, "{info:?}");
+            assert!(
+                !info.about.is_empty() && info.least <= info.default && info.default <= info.most,
+                "{info:?}"
+            );
         }
     }
 
@@ -230,9 +237,24 @@ mod tests {
         let mut s = Settings::default();
         s.set("rays", "1000").expect("in range");
         assert_eq!(s.rays, 1000);
-        assert!(s.set("rays", "-1").unwrap_err().to_string().contains("from 0 to 4000000"));
-        assert!(s.set("depth", "maybe").unwrap_err().to_string().contains("on or off"));
+        assert!(
+            s.set("rays", "-1")
+                .unwrap_err()
+                .to_string()
+                .contains("from 0 to 4000000")
+        );
+        assert!(
+            s.set("depth", "maybe")
+                .unwrap_err()
+                .to_string()
+                .contains("on or off")
+        );
         assert!(s.set("radius", "NaN").is_err());
-        assert!(s.set("nonsense", "1").unwrap_err().to_string().contains("gibs settings"));
+        assert!(
+            s.set("nonsense", "1")
+                .unwrap_err()
+                .to_string()
+                .contains("gibs settings")
+        );
     }
 }

@@ -2,6 +2,7 @@
 use super::trace::{Batch, direct_light, gbuffer, surfaces};
 use super::{SceneInputs, SceneSizes, Settings};
 use crate::data::*;
+use crate::shared::grid::GridLayout;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph, Initial, State};
@@ -12,8 +13,8 @@ use glam::UVec2;
 pub struct SurfelFrame {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Angle that a pixel in the middle of the picture subtends, radians.
-    pub pixel_angle: f32,
+    /// Shape of the grid, see [`Settings::grid`].
+    pub grid: GridLayout,
     /// Settings.
     pub settings: Settings,
 }
@@ -47,7 +48,12 @@ impl Surfels {
                 irradiance: irradiance_state,
                 depths: depths_state,
             },
-            Self { births, poses, irradiance, depths },
+            Self {
+                births,
+                poses,
+                irradiance,
+                depths,
+            },
         )
     }
 
@@ -78,25 +84,62 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     let capacity = u64::from(settings.surfels);
     let per_point = settings.lights_per_point(sizes.lights());
     let (states, surfels) = Surfels::declare(g, capacity);
-    let counters = g.state("surfel_counters", 1, Initial::fill(SurfelCounters { free: settings.surfels, ..Default::default() }));
+    let counters = g.state(
+        "surfel_counters",
+        1,
+        Initial::fill(SurfelCounters {
+            free: settings.surfels,
+            ..Default::default()
+        }),
+    );
     let free_slots = g.state("surfel_free_slots", capacity, Initial::Sequence);
 
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
-    let pixel_batch = Batch { args: &scene.pixels, most: pixels, fixed: true };
+    let pixel_batch = Batch {
+        args: &scene.pixels,
+        most: pixels,
+        fixed: true,
+    };
     let (rays, points) = gbuffer(g, &scene, &pixel_batch);
 
     // Persistent
     let surfels = update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
     let (grid, overflow) = build_grid(g, shape, &surfels, frame, capacity);
-    let surfels = integrate_rays(g, &scene, &grid, &device_settings, surfels, settings, per_point);
+    let surfels = integrate_rays(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        settings,
+        per_point,
+    );
 
     // Spawn
-    let (surfels, counters_last) =
-        spawn_surfels(g, &scene, &grid, &device_settings, surfels, frame, &points, counters.1, &free_slots.1);
+    let (surfels, counters_last) = spawn_surfels(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        frame,
+        &points,
+        counters.1,
+        &free_slots.1,
+    );
 
     // Apply
     let direct = direct_light(g, "apply", "", &scene, per_point, &pixel_batch, &points);
-    let gathered = gather(g, "apply/lighting_apply", &grid, &device_settings, &surfels, &pixel_batch, &points, "apply_gathered");
+    let gathered = gather(
+        g,
+        "apply/lighting_apply",
+        &grid,
+        &device_settings,
+        &surfels,
+        &pixel_batch,
+        &points,
+        "apply_gathered",
+    );
     let irradiance = g.transient("irradiance", pixels);
     let color = g.transient("color", pixels);
     let composed = g.add::<compose::Compose>(
@@ -145,7 +188,10 @@ fn update_positions(
         },
         Dispatch::Elements(capacity),
     );
-    Surfels { poses: moved.poses, ..surfels }
+    Surfels {
+        poses: moved.poses,
+        ..surfels
+    }
 }
 
 fn build_grid(
@@ -155,17 +201,35 @@ fn build_grid(
     frame: &SurfelFrame,
     capacity: u64,
 ) -> (Grid, Buffer<u32>) {
-    let cells = u64::from(frame.settings.grid(glam::Vec3::ZERO, 1.0, frame.pixel_angle).cells());
+    let cells = u64::from(frame.grid.cells());
     let counts = g.zeroed("grid_counts", cells);
-    let inputs = grid_count::Inputs { grid: &shape, poses: &surfels.poses, counts };
-    let counts =
-        g.add::<grid_count::GridCount>("persistent/grid_count", inputs, Dispatch::Elements(capacity)).counts;
+    let inputs = grid_count::Inputs {
+        grid: &shape,
+        poses: &surfels.poses,
+        counts,
+    };
+    let counts = g
+        .add::<grid_count::GridCount>(
+            "persistent/grid_count",
+            inputs,
+            Dispatch::Elements(capacity),
+        )
+        .counts;
     let (starts, _) = exclusive_scan(g, "persistent/grid_scan", &counts);
     let cursors = g.zeroed("grid_cursors", cells);
     let entries = g.transient("grid_entries", capacity * ENTRIES_PER_SURFEL);
-    let inputs = grid_scatter::Inputs { grid: &shape, poses: &surfels.poses, starts: &starts, cursors, entries };
-    let scattered =
-        g.add::<grid_scatter::GridScatter>("persistent/grid_scatter", inputs, Dispatch::Elements(capacity));
+    let inputs = grid_scatter::Inputs {
+        grid: &shape,
+        poses: &surfels.poses,
+        starts: &starts,
+        cursors,
+        entries,
+    };
+    let scattered = g.add::<grid_scatter::GridScatter>(
+        "persistent/grid_scatter",
+        inputs,
+        Dispatch::Elements(capacity),
+    );
     let listed = g.transient("grid_cells", cells);
     let overflow = g.zeroed("grid_overflow", 1);
     let ordered = g.add::<grid_order::GridOrder>(
@@ -180,7 +244,14 @@ fn build_grid(
         },
         Dispatch::Elements(cells),
     );
-    (Grid { shape, cells: ordered.cells, entries: ordered.entries }, ordered.overflow)
+    (
+        Grid {
+            shape,
+            cells: ordered.cells,
+            entries: ordered.entries,
+        },
+        ordered.overflow,
+    )
 }
 
 #[allow(clippy::too_many_arguments, reason = "the ports of the stage")]
@@ -227,15 +298,30 @@ fn integrate_rays(
     let capacity = u64::from(settings.surfels);
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
-    let inputs = request_rays::Inputs { poses: &surfels.poses, irradiance: &surfels.irradiance, requests };
-    let requests =
-        g.add::<request_rays::RequestRays>("persistent/request_rays", inputs, Dispatch::Elements(capacity)).requests;
+    let inputs = request_rays::Inputs {
+        poses: &surfels.poses,
+        irradiance: &surfels.irradiance,
+        requests,
+    };
+    let requests = g
+        .add::<request_rays::RequestRays>(
+            "persistent/request_rays",
+            inputs,
+            Dispatch::Elements(capacity),
+        )
+        .requests;
     let (scanned, total) = exclusive_scan(g, "persistent/ray_scan", &requests);
     let offsets = g.transient("ray_offsets", capacity + 1);
     let batch = g.transient("ray_batch", 1);
     let allocated = g.add::<allocate_rays::AllocateRays>(
         "persistent/allocate_rays",
-        allocate_rays::Inputs { settings: device_settings, scanned: &scanned, total: &total, offsets, batch },
+        allocate_rays::Inputs {
+            settings: device_settings,
+            scanned: &scanned,
+            total: &total,
+            offsets,
+            batch,
+        },
         Dispatch::Elements(capacity + 1),
     );
     let rays = g.transient("surfel_rays", budget);
@@ -256,17 +342,38 @@ fn integrate_rays(
     );
     let first_rays = generated.rays;
     let mut radiance = g.zeroed("ray_radiance", budget);
-    let mut segment = Segment { args: allocated.batch, rays: None, paths: generated.paths };
+    let mut segment = Segment {
+        args: allocated.batch,
+        rays: None,
+        paths: generated.paths,
+    };
     let mut first_hits = None;
     for depth in 0..=settings.continuations {
-        let suffix = if depth == 0 { String::new() } else { format!("_{depth}") };
-        let batch = Batch { args: &segment.args, most: budget, fixed: false };
+        let suffix = if depth == 0 {
+            String::new()
+        } else {
+            format!("_{depth}")
+        };
+        let batch = Batch {
+            args: &segment.args,
+            most: budget,
+            fixed: false,
+        };
         let rays = segment.rays.as_ref().unwrap_or(&first_rays);
         let (hits, points) = surfaces(g, "persistent", &suffix, scene, &batch, rays);
         let direct = direct_light(g, "persistent", &suffix, scene, per_point, &batch, &points);
         let label = format!("persistent/gather_surfels{suffix}");
         let name = format!("persistent_gathered{suffix}");
-        let gathered = gather(g, &label, grid, device_settings, &surfels, &batch, &points, &name);
+        let gathered = gather(
+            g,
+            &label,
+            grid,
+            device_settings,
+            &surfels,
+            &batch,
+            &points,
+            &name,
+        );
         let goes_on = g.zeroed(&format!("goes_on{suffix}"), budget);
         let shaded = g.add::<shade_hits::ShadeHits>(
             &format!("persistent/shade_hits{suffix}"),
@@ -289,7 +396,15 @@ fn integrate_rays(
         if depth == settings.continuations {
             break;
         }
-        segment = continue_segment(g, depth, &segment.args, &batch, &points, &shaded.paths, &shaded.goes_on);
+        segment = continue_segment(
+            g,
+            depth,
+            &segment.args,
+            &batch,
+            &points,
+            &shaded.paths,
+            &shaded.goes_on,
+        );
     }
     let hits = first_hits.unwrap_or_else(|| g.transient("no_hits", budget));
     let integrated = g.add::<integrate::Integrate>(
@@ -306,7 +421,11 @@ fn integrate_rays(
         },
         Dispatch::Elements(capacity),
     );
-    Surfels { irradiance: integrated.irradiance, depths: integrated.depths, ..surfels }
+    Surfels {
+        irradiance: integrated.irradiance,
+        depths: integrated.depths,
+        ..surfels
+    }
 }
 
 /// The rays of one path depth.
@@ -329,17 +448,34 @@ fn continue_segment(
     let next = depth + 1;
     let (scanned, total) = exclusive_scan(g, &format!("persistent/path_scan_{next}"), goes_on);
     let next_args = g.transient(&format!("path_batch_{next}"), 1);
-    let inputs = batch_args::Inputs { count: &total, batch: next_args };
+    let inputs = batch_args::Inputs {
+        count: &total,
+        batch: next_args,
+    };
     let label = format!("persistent/path_batch_{next}");
-    let next_args = g.add::<batch_args::BatchArgs>(&label, inputs, Dispatch::Groups([1, 1, 1])).batch;
+    let next_args = g
+        .add::<batch_args::BatchArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+        .batch;
     let next_rays = g.transient(&format!("path_rays_{next}"), batch.most);
     let next_paths = g.transient(&format!("paths_{next}"), batch.most);
     let continued = g.add::<continue_paths::ContinuePaths>(
         &format!("persistent/continue_paths_{next}"),
-        continue_paths::Inputs { batch: args, points, paths, goes_on, scanned: &scanned, next_rays, next_paths },
+        continue_paths::Inputs {
+            batch: args,
+            points,
+            paths,
+            goes_on,
+            scanned: &scanned,
+            next_rays,
+            next_paths,
+        },
         batch.dispatch(),
     );
-    Segment { args: next_args, rays: Some(continued.next_rays), paths: continued.next_paths }
+    Segment {
+        args: next_args,
+        rays: Some(continued.next_rays),
+        paths: continued.next_paths,
+    }
 }
 
 #[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
@@ -354,7 +490,10 @@ fn spawn_surfels(
     counters: Buffer<SurfelCounters>,
     free_slots: &Buffer<u32>,
 ) -> (Surfels, Buffer<SurfelCounters>) {
-    let across = [frame.size[0].div_ceil(gap_fill::TILE), frame.size[1].div_ceil(gap_fill::TILE)];
+    let across = [
+        frame.size[0].div_ceil(gap_fill::TILE),
+        frame.size[1].div_ceil(gap_fill::TILE),
+    ];
     let tiles = u64::from(across[0]) * u64::from(across[1]);
     let candidates = g.transient("spawn_candidates", tiles);
     let flags = g.transient("spawn_flags", tiles);
@@ -390,9 +529,13 @@ fn spawn_surfels(
             Dispatch::Elements(tiles),
         )
         .claims;
-    let inputs = spawn_commit::Inputs { total: &total, counters };
-    let counters =
-        g.add::<spawn_commit::SpawnCommit>("spawn/commit", inputs, Dispatch::Groups([1, 1, 1])).counters;
+    let inputs = spawn_commit::Inputs {
+        total: &total,
+        counters,
+    };
+    let counters = g
+        .add::<spawn_commit::SpawnCommit>("spawn/commit", inputs, Dispatch::Groups([1, 1, 1]))
+        .counters;
     let written = g.add::<spawn::Spawn>(
         "spawn/write_to_persistent_storage",
         spawn::Inputs {

@@ -1,7 +1,9 @@
 //! Parts that several frames share: rays to surface points, and direct light at points.
 use super::SceneInputs;
 use crate::data::{Hit, Ray, SurfacePoint};
-use crate::stages::{gather_direct, light_batch, primary_rays, resolve_hits, sample_lights, trace_any, trace_closest};
+use crate::stages::{
+    gather_direct, light_batch, primary_rays, resolve_hits, sample_lights, trace_any, trace_closest,
+};
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 use glam::Vec4;
 
@@ -15,15 +17,28 @@ pub(crate) struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     pub fn dispatch(&self) -> Dispatch<'a> {
-        if self.fixed { Dispatch::Elements(self.most) } else { Dispatch::Indirect(self.args) }
+        if self.fixed {
+            Dispatch::Elements(self.most)
+        } else {
+            Dispatch::Indirect(self.args)
+        }
     }
 }
 
 /// The primary surface of every pixel: rays and points.
-pub(crate) fn gbuffer(g: &mut Graph, scene: &SceneInputs, pixels: &Batch<'_>) -> (Buffer<Ray>, Buffer<SurfacePoint>) {
+pub(crate) fn gbuffer(
+    g: &mut Graph,
+    scene: &SceneInputs,
+    pixels: &Batch<'_>,
+) -> (Buffer<Ray>, Buffer<SurfacePoint>) {
     let rays = g.transient("gbuffer_rays", pixels.most);
-    let inputs = primary_rays::Inputs { camera: &scene.camera, rays };
-    let rays = g.add::<primary_rays::PrimaryRays>("gbuffer/primary_rays", inputs, pixels.dispatch()).rays;
+    let inputs = primary_rays::Inputs {
+        camera: &scene.camera,
+        rays,
+    };
+    let rays = g
+        .add::<primary_rays::PrimaryRays>("gbuffer/primary_rays", inputs, pixels.dispatch())
+        .rays;
     let (_, points) = surfaces(g, "gbuffer", "", scene, pixels, &rays);
     (rays, points)
 }
@@ -122,11 +137,21 @@ pub(crate) fn direct_light(
         return g.zeroed(&format!("{group}_direct{suffix}"), batch.most);
     }
     let lights = g.transient(&format!("{group}_light_batch{suffix}"), 1);
-    let inputs = light_batch::Inputs { batch: batch.args, frame: &scene.frame, lights };
+    let inputs = light_batch::Inputs {
+        batch: batch.args,
+        frame: &scene.frame,
+        lights,
+    };
     let label = format!("{group}/light_batch{suffix}");
-    let args = g.add::<light_batch::LightBatch>(&label, inputs, Dispatch::Groups([1, 1, 1])).lights;
+    let args = g
+        .add::<light_batch::LightBatch>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+        .lights;
     let most = batch.most * u64::from(per_point);
-    let light_batch = Batch { args: &args, most, fixed: batch.fixed };
+    let light_batch = Batch {
+        args: &args,
+        most,
+        fixed: batch.fixed,
+    };
     let rays = g.transient(&format!("{group}_light_rays{suffix}"), most);
     let samples = g.transient(&format!("{group}_light_samples{suffix}"), most);
     let sampled = g.add::<sample_lights::SampleLights>(

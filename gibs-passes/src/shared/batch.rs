@@ -10,8 +10,18 @@ pub fn args(count: u32) -> DispatchArgs {
     let groups = count.div_ceil(LANES);
     let rows = groups.div_ceil(MAX_GROUPS);
     if rows <= 1 {
-        DispatchArgs { x: groups, y: 1, z: 1, count }
+        DispatchArgs {
+            x: groups,
+            y: 1,
+            z: 1,
+            count,
+        }
     } else {
-        DispatchArgs { x: MAX_GROUPS, y: rows, z: 1, count }
+        DispatchArgs {
+            x: MAX_GROUPS,
+            y: rows,
+            z: 1,
+            count,
+        }
     }
 }

@@ -35,13 +35,21 @@ pub fn facing(emitter: &Emitter, direction: Vec3) -> f32 {
     }
     let front = if emitter.flags & 2 != 0 { 1.0 } else { -1.0 };
     let cosine = normal.dot(direction) / length * front;
-    if emitter.flags & 1 != 0 { cosine.abs() } else { cosine }
+    if emitter.flags & 1 != 0 {
+        cosine.abs()
+    } else {
+        cosine
+    }
 }
 
 /// Radiance that an emitter sends against `direction`, W/(m^2 sr).
 #[inline]
 pub fn radiance(emitter: &Emitter, direction: Vec3) -> Vec3 {
-    if facing(emitter, direction) > 0.0 { emitter.radiance } else { Vec3::ZERO }
+    if facing(emitter, direction) > 0.0 {
+        emitter.radiance
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// Density per solid angle, 1/sr, with which sampling by power draws the point of a surface with this radiance that a

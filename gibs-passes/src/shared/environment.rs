@@ -41,7 +41,15 @@ mod tests {
         let side = 256;
         let area = 4.0 / f64::from(side * side);
         let sum: f64 = (0..side * side)
-            .map(|i| f64::from(solid_angle_per_area(direction(side, i % side, i / side, 0.5, 0.5))) * area)
+            .map(|i| {
+                f64::from(solid_angle_per_area(direction(
+                    side,
+                    i % side,
+                    i / side,
+                    0.5,
+                    0.5,
+                ))) * area
+            })
             .sum();
         // The midpoint rule over 256^2 texels is off by the square of the texel size.
         assert!((sum - 4.0 * std::f64::consts::PI).abs() < 1e-3, "{sum}");

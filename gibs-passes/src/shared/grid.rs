@@ -4,30 +4,62 @@ use super::portable::log2;
 use crate::data::GridShape;
 use glam::Vec3;
 
-/// Most cells that one surfel can overlap.
-pub const MAX_OVERLAP: usize = 27;
-
-/// A surfel's radius is at most this share of its cell's side, so that its bounding box spans at most three cells
-/// along each axis, also where cells of different grids meet.
-pub const RADIUS_SHARE: f32 = 0.75;
+/// A surfel's radius is at most this share of its cell's side, which bounds the cells that list it.
+pub const RADIUS_SHARE: f32 = 0.5;
 
 /// Thickness of a slice over the width of its cells: surfels lie on surfaces, most of which are seen at an angle, so
 /// that thicker cells list hardly more of them, and fewer slices reach as far.
 pub const THICKNESS: f32 = 1.5;
 
-impl GridShape {
-    /// A grid around `centre`: the cube reaches `half` metres, with `side` cells along each axis; slices follow along
-    /// each half-axis up to `reach` times that, where the last one begins, which has no end.
-    pub fn new(centre: Vec3, half: f32, side: u32, reach: f32) -> Self {
-        let growth = 1.0 + THICKNESS * 2.0 / side as f32;
-        let slices = (reach.log2() / growth.log2()).ceil().max(1.0) as u32;
-        Self { centre, half, side, slices, growth, per_octave: 1.0 / growth.log2() }
+/// Cells of a grid, which decide the length of its buffers: fixed when a frame is made, wherever the grid then lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridLayout {
+    /// Cells along each side of the cube, and across each slice.
+    pub side: u32,
+    /// Slices per half-axis.
+    pub slices: u32,
+}
+
+impl GridLayout {
+    /// `side` cells along each axis of the cube, and slices up to `reach` times the cube's half size, where the last
+    /// one begins, which has no end.
+    pub fn new(side: u32, reach: f32) -> Self {
+        let slices = (reach.log2() / Self::growth(side).log2()).ceil().max(1.0) as u32;
+        Self { side, slices }
+    }
+
+    fn growth(side: u32) -> f32 {
+        1.0 + THICKNESS * 2.0 / side as f32
     }
 
     /// Number of cells.
     pub fn cells(&self) -> u32 {
         self.side * self.side * (self.side + 6 * self.slices)
     }
+
+    /// The grid around `centre`, whose cube reaches `half` metres.
+    pub fn at(&self, centre: Vec3, half: f32) -> GridShape {
+        let growth = Self::growth(self.side);
+        GridShape {
+            centre,
+            half,
+            side: self.side,
+            slices: self.slices,
+            growth,
+            per_octave: 1.0 / growth.log2(),
+        }
+    }
+}
+
+#[inline]
+fn index(x: f32, side: u32) -> u32 {
+    ((x * 0.5 + 0.5) * side as f32).clamp(0.0, side as f32 - 1.0) as u32
+}
+
+/// The slice at a distance along a half-axis.
+#[inline]
+fn slice(m: f32, grid: &GridShape) -> u32 {
+    (log2(m / grid.half) * grid.per_octave).clamp(0.0, grid.slices as f32 - 1.0) as u32
 }
 
 /// The cell of a position.
@@ -37,11 +69,10 @@ pub fn cell(position: Vec3, grid: &GridShape) -> u32 {
     let a = d.abs();
     let m = a.x.max(a.y).max(a.z);
     let side = grid.side;
-    let index = |x: f32| ((x * 0.5 + 0.5) * side as f32).clamp(0.0, side as f32 - 1.0) as u32;
     if m < grid.half {
-        let x = index(d.x / grid.half);
-        let y = index(d.y / grid.half);
-        let z = index(d.z / grid.half);
+        let x = index(d.x / grid.half, side);
+        let y = index(d.y / grid.half, side);
+        let z = index(d.z / grid.half, side);
         return (z * side + y) * side + x;
     }
     // Face 0..6 is the half-axis; u and v are the other two axes, in order.
@@ -53,9 +84,8 @@ pub fn cell(position: Vec3, grid: &GridShape) -> u32 {
         (4, d.z, d.x, d.y)
     };
     let face = face + u32::from(along < 0.0);
-    let slice = (log2(m / grid.half) * grid.per_octave).clamp(0.0, grid.slices as f32 - 1.0) as u32;
-    let (u, v) = (index(u / m), index(v / m));
-    side * side * side + ((face * grid.slices + slice) * side + v) * side + u
+    let (u, v) = (index(u / m, side), index(v / m, side));
+    side * side * side + ((face * grid.slices + slice(m, grid)) * side + v) * side + u
 }
 
 /// Side of the cells around a position, metres.
@@ -65,21 +95,76 @@ pub fn cell_side(position: Vec3, grid: &GridShape) -> f32 {
     2.0 * a.x.max(a.y).max(a.z).max(grid.half) / grid.side as f32
 }
 
-/// The distinct cells that the bounding box of a sphere overlaps, in the order of a fixed 3x3x3 pattern of points;
-/// the radius is at most [`RADIUS_SHARE`] of the cell side.
+/// A box of cells in one of the seven grids: cell `(z * side + y) * side + x` above `base`, for each coordinate from
+/// `low` to `high`, both included. For a half-axis, z counts slices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// First cell of the grid.
+    pub base: u32,
+    /// Lowest cell along x, y and z.
+    pub low: [u32; 3],
+    /// Highest cell along x, y and z.
+    pub high: [u32; 3],
+}
+
+/// Number of grids: the cube and six half-axes.
+pub const PARTS: u32 = 7;
+
+/// A sphere is taken this much larger when its cells are found, so that rounding leaves none out.
+const MARGIN: f32 = 1.001;
+
+/// The cells of one of the [`PARTS`] that a sphere can overlap: all that it does, and a few more. A cell is in at most
+/// one part's span.
 #[inline]
-pub fn overlapped(position: Vec3, radius: f32, grid: &GridShape) -> ([u32; MAX_OVERLAP], usize) {
-    let mut cells = [0; MAX_OVERLAP];
-    let mut count = 0;
-    for i in 0..27 {
-        let step = Vec3::new((i % 3) as f32 - 1.0, (i / 3 % 3) as f32 - 1.0, (i / 9) as f32 - 1.0);
-        let found = cell(position + step * radius, grid);
-        if !cells[..count].contains(&found) {
-            cells[count] = found;
-            count += 1;
+pub fn span(position: Vec3, radius: f32, grid: &GridShape, part: u32) -> Option<Span> {
+    let (d, r, side) = (position - grid.centre, radius * MARGIN, grid.side);
+    if part == 0 {
+        let (low, high) = ((d - r) / grid.half, (d + r) / grid.half);
+        if low.max_element() > 1.0 || high.min_element() < -1.0 {
+            return None;
+        }
+        let cells = |v: Vec3| [index(v.x, side), index(v.y, side), index(v.z, side)];
+        return Some(Span {
+            base: 0,
+            low: cells(low),
+            high: cells(high),
+        });
+    }
+    let face = part - 1;
+    let (along, b, c) = match face / 2 {
+        0 => (d.x, d.y, d.z),
+        1 => (d.y, d.x, d.z),
+        _ => (d.z, d.x, d.y),
+    };
+    let along = if face % 2 == 1 { -along } else { along };
+    let far = along + r;
+    if far < grid.half || b.abs() - r > far || c.abs() - r > far {
+        return None;
+    }
+    // Within the half-axis's pyramid the main coordinate lies between the two; a lateral one is divided by it.
+    let near = (along - r).max(grid.half);
+    let over = |x: f32, near_side: bool| if near_side { x / near } else { x / far };
+    let (u0, u1) = (over(b - r, b - r < 0.0), over(b + r, b + r > 0.0));
+    let (v0, v1) = (over(c - r, c - r < 0.0), over(c + r, c + r > 0.0));
+    Some(Span {
+        base: side * side * side + face * grid.slices * side * side,
+        low: [index(u0, side), index(v0, side), slice(near, grid)],
+        high: [index(u1, side), index(v1, side), slice(far, grid)],
+    })
+}
+
+/// Calls `each` with every cell that a sphere can overlap, once.
+#[inline]
+pub fn overlapped(position: Vec3, radius: f32, grid: &GridShape, mut each: impl FnMut(u32)) {
+    for span in (0..PARTS).filter_map(|part| span(position, radius, grid, part)) {
+        for z in span.low[2]..=span.high[2] {
+            for y in span.low[1]..=span.high[1] {
+                for x in span.low[0]..=span.high[0] {
+                    each(span.base + (z * grid.side + y) * grid.side + x);
+                }
+            }
         }
     }
-    (cells, count)
 }
 
 #[cfg(test)]
@@ -108,12 +193,21 @@ mod tests {
                 && within(cell / n / n, q.z);
         }
         let rest = cell - n * n * n;
-        let (u, v, slice, face) = (rest % n, rest / n % n, rest / n / n % grid.slices, rest / n / n / grid.slices);
+        let (u, v, slice, face) = (
+            rest % n,
+            rest / n % n,
+            rest / n / n % grid.slices,
+            rest / n / n / grid.slices,
+        );
         let axes = [(d.x, d.y, d.z), (d.y, d.x, d.z), (d.z, d.x, d.y)][face as usize / 2];
         let along = if face % 2 == 1 { -axes.0 } else { axes.0 };
         let growth = f64::from(grid.growth);
         let near = half * growth.powi(slice as i32);
-        let far = if slice + 1 == grid.slices { f64::INFINITY } else { near * growth };
+        let far = if slice + 1 == grid.slices {
+            f64::INFINITY
+        } else {
+            near * growth
+        };
         along >= m * 0.99999
             && (near * 0.9999..=far * 1.0001).contains(&m)
             && within(u, axes.1 / m)
@@ -123,13 +217,15 @@ mod tests {
     #[test]
     fn every_point_lies_in_the_cell_it_maps_to() {
         for (half, side) in [(1e-3, 16), (0.5, 32), (100.0, 24)] {
-            let grid = GridShape::new(Vec3::new(0.1, -0.2, 0.3) * half, half, side, 200.0);
+            let layout = GridLayout::new(side, 200.0);
+            let grid = layout.at(Vec3::new(0.1, -0.2, 0.3) * half, half);
             for i in 0..50_000 {
                 // From a thousandth of the cube to far beyond the last slice.
                 let scale = half * 10f32.powf(4.5 + 7.5 * random_unit(i, 3)).max(1e-3);
-                let p = grid.centre + Vec3::new(random_unit(i, 0), random_unit(i, 1), random_unit(i, 2)) * scale;
+                let p = grid.centre
+                    + Vec3::new(random_unit(i, 0), random_unit(i, 1), random_unit(i, 2)) * scale;
                 let c = cell(p, &grid);
-                assert!(c < grid.cells());
+                assert!(c < layout.cells());
                 assert!(contains(c, p, &grid), "{p} is not in cell {c}");
             }
         }
@@ -138,14 +234,25 @@ mod tests {
     /// A point inside a surfel's sphere always finds the surfel in its own cell.
     #[test]
     fn a_point_in_a_sphere_lies_in_an_overlapped_cell() {
-        let grid = GridShape::new(Vec3::ZERO, 0.5, 32, 200.0);
+        let layout = GridLayout::new(32, 200.0);
+        let grid = layout.at(Vec3::ZERO, 0.5);
         for i in 0..100_000 {
             let scale = 0.5 * 10f32.powf(1.2 + 1.2 * random_unit(i, 3));
             let p = Vec3::new(random_unit(i, 0), random_unit(i, 1), random_unit(i, 2)) * scale;
             let radius = cell_side(p, &grid) * RADIUS_SHARE;
-            let (cells, count) = overlapped(p, radius, &grid);
-            let q = p + Vec3::new(random_unit(i, 4), random_unit(i, 5), random_unit(i, 6)).normalize() * radius;
-            assert!(cells[..count].contains(&cell(q, &grid)), "{q} around {p}");
+            let mut cells = Vec::new();
+            overlapped(p, radius, &grid, |cell| cells.push(cell));
+            let distinct: std::collections::BTreeSet<u32> = cells.iter().copied().collect();
+            assert_eq!(
+                distinct.len(),
+                cells.len(),
+                "a cell is listed twice around {p}"
+            );
+            assert!(cells.iter().all(|&c| c < layout.cells()));
+            let q = p + Vec3::new(random_unit(i, 4), random_unit(i, 5), random_unit(i, 6))
+                .normalize()
+                * radius;
+            assert!(cells.contains(&cell(q, &grid)), "{q} around {p}");
         }
     }
 }

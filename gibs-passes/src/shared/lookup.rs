@@ -76,7 +76,10 @@ pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     }
     let local = to_local(d / distance, pose.normal);
     let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
-    chebyshev(depth_moments(depth, clamped), distance / (2.0 * pose.radius))
+    chebyshev(
+        depth_moments(depth, clamped),
+        distance / (2.0 * pose.radius),
+    )
 }
 
 /// Distance factor: [`PEAK`] at the centre, 0 at the radius, smooth at both.
@@ -109,7 +112,13 @@ pub struct Surfels<'a> {
 }
 
 /// Summed weight of the surfels at a point: the same weights as [`gather`].
-pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, grid: &GridShape, settings: &SurfelSettings) -> f32 {
+pub fn coverage(
+    point: Vec3,
+    normal: Vec3,
+    s: &Surfels<'_>,
+    grid: &GridShape,
+    settings: &SurfelSettings,
+) -> f32 {
     let cell = s.cells[grid::cell(point, grid) as usize];
     let mut sum = 0.0;
     for i in 0..cell.y.min(settings.lookup) {
@@ -138,7 +147,11 @@ pub fn gather(
     let cell = s.cells[grid::cell(point, grid) as usize];
     let entries = &s.entries[cell.x as usize..(cell.x + cell.y.min(settings.lookup)) as usize];
     let share = |id: usize, d: Vec3| {
-        if settings.use_depth != 0 { visibility(&s.depths[id], &s.poses[id], d) } else { 1.0 }
+        if settings.use_depth != 0 {
+            visibility(&s.depths[id], &s.poses[id], d)
+        } else {
+            1.0
+        }
     };
     let mut g = Gathered::default();
     for &id in entries {
@@ -199,9 +212,16 @@ mod tests {
 
     #[test]
     fn a_uniform_depth_function_is_uniform() {
-        let depth = SurfelDepth { texels: [pack_moments(Vec2::new(0.5, 0.25)); 16] };
+        let depth = SurfelDepth {
+            texels: [pack_moments(Vec2::new(0.5, 0.25)); 16],
+        };
         for d in [Vec3::Z, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8)] {
-            assert!((depth_moments(&depth, d) - Vec2::new(0.5, 0.25)).abs().max_element() < 2e-5);
+            assert!(
+                (depth_moments(&depth, d) - Vec2::new(0.5, 0.25))
+                    .abs()
+                    .max_element()
+                    < 2e-5
+            );
         }
     }
 }

@@ -22,7 +22,11 @@ pub fn encode(n: Vec3) -> Vec2 {
 #[inline]
 pub fn decode(p: Vec2) -> Vec3 {
     let z = 1.0 - p.x.abs() - p.y.abs();
-    let q = if z >= 0.0 { p } else { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) };
+    let q = if z >= 0.0 {
+        p
+    } else {
+        Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y))
+    };
     Vec3::new(q.x, q.y, z).normalize()
 }
 
@@ -65,10 +69,19 @@ mod tests {
     use crate::shared::hash;
 
     fn directions() -> impl Iterator<Item = Vec3> {
-        let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+        let axes = [
+            Vec3::X,
+            Vec3::Y,
+            Vec3::Z,
+            Vec3::NEG_X,
+            Vec3::NEG_Y,
+            Vec3::NEG_Z,
+        ];
         let random = (0..50_000u32).map(|i| {
             let u = |k| hash::unit(hash::hash2(i, k)) * 2.0 - 1.0;
-            Vec3::new(u(0), u(1), u(2)).try_normalize().unwrap_or(Vec3::X)
+            Vec3::new(u(0), u(1), u(2))
+                .try_normalize()
+                .unwrap_or(Vec3::X)
         });
         axes.into_iter().chain(random)
     }
@@ -86,7 +99,10 @@ mod tests {
         for n in directions() {
             let n = Vec3::new(n.x, n.y, n.z.abs());
             let uv = hemisphere_encode(n);
-            assert!(uv.min_element() >= 0.0 && uv.max_element() <= 1.0, "{n} maps to {uv}");
+            assert!(
+                uv.min_element() >= 0.0 && uv.max_element() <= 1.0,
+                "{n} maps to {uv}"
+            );
             assert!(hemisphere_decode(uv).distance(n) < 1e-5, "{n}");
         }
     }

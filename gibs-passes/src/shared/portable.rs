@@ -7,7 +7,8 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     let a = (4.0 * turns - quarters) * std::f32::consts::FRAC_PI_2;
     let a2 = a * a;
     let sin = a * (1.0 + a2 * (-0.166_666_67 + a2 * (0.008_333_333 + a2 * -0.000_198_412_7)));
-    let cos = 1.0 + a2 * (-0.5 + a2 * (0.041_666_668 + a2 * (-0.001_388_888_9 + a2 * 0.000_024_801_588)));
+    let cos =
+        1.0 + a2 * (-0.5 + a2 * (0.041_666_668 + a2 * (-0.001_388_888_9 + a2 * 0.000_024_801_588)));
     match quarters as u32 & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -41,8 +42,14 @@ mod tests {
             let turns = i as f32 / 100_000.0;
             let (sin, cos) = super::sin_cos_turns(turns);
             let angle = f64::from(turns) * std::f64::consts::TAU;
-            assert!((f64::from(sin) - angle.sin()).abs() < 4e-7, "sin of {turns} turns");
-            assert!((f64::from(cos) - angle.cos()).abs() < 4e-7, "cos of {turns} turns");
+            assert!(
+                (f64::from(sin) - angle.sin()).abs() < 4e-7,
+                "sin of {turns} turns"
+            );
+            assert!(
+                (f64::from(cos) - angle.cos()).abs() < 4e-7,
+                "cos of {turns} turns"
+            );
         }
     }
 
@@ -50,7 +57,10 @@ mod tests {
     fn logarithm_stays_within_its_bound() {
         for i in 1..200_000 {
             let x = i as f32 * 0.001;
-            assert!((f64::from(super::log2(x)) - f64::from(x).log2()).abs() < 1e-6 * (1.0 + f64::from(x).log2().abs()));
+            assert!(
+                (f64::from(super::log2(x)) - f64::from(x).log2()).abs()
+                    < 1e-6 * (1.0 + f64::from(x).log2().abs())
+            );
         }
     }
 }

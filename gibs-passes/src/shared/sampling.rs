@@ -9,7 +9,10 @@ pub fn basis(n: Vec3) -> (Vec3, Vec3) {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
+    (
+        Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        Vec3::new(b, sign + n.y * n.y * a, -n.y),
+    )
 }
 
 /// From the frame of `n` to the world.
@@ -48,7 +51,11 @@ pub fn r2(index: u32, shift: (u32, u32)) -> (f32, f32) {
 /// error (Waechter and Binder 2019 motivate a bound that scales with the coordinates; see `surface::offset`).
 #[inline]
 pub fn start(position: Vec3, n: Vec3, offset: f32, direction: Vec3) -> Vec3 {
-    if n.dot(direction) >= 0.0 { position + n * offset } else { position - n * offset }
+    if n.dot(direction) >= 0.0 {
+        position + n * offset
+    } else {
+        position - n * offset
+    }
 }
 
 #[cfg(test)]

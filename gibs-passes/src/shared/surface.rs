@@ -18,14 +18,21 @@ pub fn unorm16(x: f32) -> u32 {
 /// Albedo and flags in two words.
 #[inline]
 pub fn pack_albedo(albedo: Vec3, flags: u32) -> (u32, u32) {
-    (unorm16(albedo.x) | (unorm16(albedo.y) << 16), unorm16(albedo.z) | flags)
+    (
+        unorm16(albedo.x) | (unorm16(albedo.y) << 16),
+        unorm16(albedo.z) | flags,
+    )
 }
 
 /// Albedo of a point.
 #[inline]
 pub fn albedo(point: &SurfacePoint) -> Vec3 {
     let part = |bits: u32| (bits & 0xffff) as f32 / 65_535.0;
-    Vec3::new(part(point.albedo_rg), part(point.albedo_rg >> 16), part(point.albedo_b_flags))
+    Vec3::new(
+        part(point.albedo_rg),
+        part(point.albedo_rg >> 16),
+        part(point.albedo_b_flags),
+    )
 }
 
 /// The ray hit something.

@@ -22,7 +22,11 @@ pub const NEAREST: u32 = 16;
 pub fn srgb_table() -> [u32; LUT] {
     std::array::from_fn(|i| {
         let c = i as f64 / 255.0;
-        let linear = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        let linear = if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        };
         (linear as f32).to_bits()
     })
 }
@@ -45,7 +49,12 @@ fn texel(texels: &[u32], first: u32, size: (i32, i32), x: i32, y: i32, sampler: 
     let (x, y) = (wrap(x, size.0, sampler), wrap(y, size.1, sampler >> 2));
     let word = texels[(first as i32 + y * size.0 + x) as usize];
     let linear = |byte: u32| f32::from_bits(texels[(byte & 0xff) as usize]);
-    Vec4::new(linear(word), linear(word >> 8), linear(word >> 16), (word >> 24) as f32 / 255.0)
+    Vec4::new(
+        linear(word),
+        linear(word >> 8),
+        linear(word >> 16),
+        (word >> 24) as f32 / 255.0,
+    )
 }
 
 /// Linear colour and alpha at texture coordinates `uv`, texel centres at half-integers.
@@ -53,11 +62,24 @@ fn texel(texels: &[u32], first: u32, size: (i32, i32), x: i32, y: i32, sampler: 
 pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Vec2) -> Vec4 {
     let size = ((packed_size & 0xffff) as i32, (packed_size >> 16) as i32);
     // Far coordinates are folded first, so that the integer conversion is exact.
-    let fold = |x: f32, mode: u32| if mode & 3 == 2 { x.clamp(-1.0, 2.0) } else { x - (x * 0.5).floor() * 2.0 };
+    let fold = |x: f32, mode: u32| {
+        if mode & 3 == 2 {
+            x.clamp(-1.0, 2.0)
+        } else {
+            x - (x * 0.5).floor() * 2.0
+        }
+    };
     let x = fold(uv.x, sampler) * size.0 as f32;
     let y = fold(uv.y, sampler >> 2) * size.1 as f32;
     if sampler & NEAREST != 0 {
-        return texel(texels, first, size, x.floor() as i32, y.floor() as i32, sampler);
+        return texel(
+            texels,
+            first,
+            size,
+            x.floor() as i32,
+            y.floor() as i32,
+            sampler,
+        );
     }
     let (x, y) = (x - 0.5, y - 0.5);
     let (x0, y0) = (x.floor(), y.floor());
@@ -81,7 +103,14 @@ pub fn base_color(material: &Material, texels: &[u32], uv: Vec2) -> Vec4 {
         return factor;
     }
     let uv = Vec2::new(mapped(material.base_u, uv), mapped(material.base_v, uv));
-    factor * sample(texels, material.base_texels, material.base_size, material.base_sampler, uv)
+    factor
+        * sample(
+            texels,
+            material.base_texels,
+            material.base_size,
+            material.base_sampler,
+            uv,
+        )
 }
 
 /// Emitted radiance of a material, W/(m^2 sr).
@@ -90,8 +119,17 @@ pub fn emission(material: &Material, texels: &[u32], uv: Vec2) -> Vec3 {
     if material.emission_texels == NONE {
         return material.emission;
     }
-    let uv = Vec2::new(mapped(material.emission_u, uv), mapped(material.emission_v, uv));
-    let sampled = sample(texels, material.emission_texels, material.emission_size, material.emission_sampler, uv);
+    let uv = Vec2::new(
+        mapped(material.emission_u, uv),
+        mapped(material.emission_v, uv),
+    );
+    let sampled = sample(
+        texels,
+        material.emission_texels,
+        material.emission_size,
+        material.emission_sampler,
+        uv,
+    );
     material.emission * Vec3::new(sampled.x, sampled.y, sampled.z)
 }
 
@@ -105,8 +143,13 @@ pub fn stops(material: &Material, texels: &[u32], uv: Vec2, ray: &Ray, triangle:
             if ray.t_min.is_sign_negative() {
                 return false;
             }
-            let key = hash::hash3(ray.origin.x.to_bits(), ray.direction.y.to_bits(), ray.direction.z.to_bits());
-            hash::unit(hash::hash2(key ^ ray.origin.z.to_bits(), triangle)) < base_color(material, texels, uv).w
+            let key = hash::hash3(
+                ray.origin.x.to_bits(),
+                ray.direction.y.to_bits(),
+                ray.direction.z.to_bits(),
+            );
+            hash::unit(hash::hash2(key ^ ray.origin.z.to_bits(), triangle))
+                < base_color(material, texels, uv).w
         }
         _ => true,
     }

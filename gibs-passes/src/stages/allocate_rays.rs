@@ -25,14 +25,22 @@ stage! {
 /// `floor(a * b / c)` without overflow, for `a <= c`; 0 for `c = 0`.
 #[inline]
 pub fn share(a: u32, b: u32, c: u32) -> u32 {
-    if c == 0 { 0 } else { (u64::from(a) * u64::from(b) / u64::from(c)) as u32 }
+    if c == 0 {
+        0
+    } else {
+        (u64::from(a) * u64::from(b) / u64::from(c)) as u32
+    }
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let capacity = p.settings.capacity;
     for i in group.range(capacity + 1) {
         let total = p.total[0];
-        let before = if i == capacity as usize { total } else { p.scanned[i] };
+        let before = if i == capacity as usize {
+            total
+        } else {
+            p.scanned[i]
+        };
         let offset = share(before, p.settings.ray_budget, total);
         p.offsets.set(i, offset);
         if i == capacity as usize {

@@ -37,7 +37,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
         let point = &p.points[i];
         if !surface::is_surface(point) {
-            let sky = environment::radiance(&p.environment, p.frame.environment_side, p.rays[i].direction);
+            let sky = environment::radiance(
+                &p.environment,
+                p.frame.environment_side,
+                p.rays[i].direction,
+            );
             p.irradiance.set(i, Vec4::ZERO);
             p.color.set(i, sky.extend(0.0));
             continue;

@@ -36,7 +36,22 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let geometric = octahedral::unpack(point.geometric_normal);
         let origin = sampling::start(point.position, geometric, point.offset, direction);
         let slot = p.scanned[i] as usize;
-        p.next_rays.set(slot, Ray { origin, t_min: 0.0, direction, t_max: f32::MAX });
-        p.next_paths.set(slot, Path { seed: second, remaining: path.remaining - 1, ..*path });
+        p.next_rays.set(
+            slot,
+            Ray {
+                origin,
+                t_min: 0.0,
+                direction,
+                t_max: f32::MAX,
+            },
+        );
+        p.next_paths.set(
+            slot,
+            Path {
+                seed: second,
+                remaining: path.remaining - 1,
+                ..*path
+            },
+        );
     }
 }

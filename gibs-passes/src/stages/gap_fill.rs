@@ -1,5 +1,7 @@
 //! `spawn/gap_fill`: the least covered texel of each 16x16 tile (S2).
-use crate::data::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
+use crate::data::{
+    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
+};
 use crate::shared::{hash, lookup, octahedral, surface};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;

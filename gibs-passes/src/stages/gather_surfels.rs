@@ -1,5 +1,7 @@
 //! `*/gather_surfels`, `apply/lighting_apply`: irradiance at points from the surfels around them (S12).
-use crate::data::{Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{
+    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
+};
 use crate::shared::{lookup, octahedral, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::UVec2;
@@ -38,7 +40,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let point = &p.points[i];
         let gathered = if surface::is_surface(point) {
             let normal = octahedral::unpack(point.shading_normal);
-            lookup::gather(point.position, normal, &surfels, &p.irradiance, p.grid, p.settings)
+            lookup::gather(
+                point.position,
+                normal,
+                &surfels,
+                &p.irradiance,
+                p.grid,
+                p.settings,
+            )
         } else {
             Gathered::default()
         };

@@ -35,9 +35,26 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let (u, v) = sampling::r2(p.irradiance[i].samples + (ray - first), shift);
             let direction = sampling::to_world(sampling::cosine_hemisphere(u, v), pose.normal);
             let origin = sampling::start(pose.position, pose.normal, p.births[i].offset, direction);
-            p.rays.set(ray as usize, Ray { origin, t_min: 0.0, direction, t_max: f32::MAX });
+            p.rays.set(
+                ray as usize,
+                Ray {
+                    origin,
+                    t_min: 0.0,
+                    direction,
+                    t_max: f32::MAX,
+                },
+            );
             let seed = hash::hash3(seed, p.frame.number, ray - first);
-            p.paths.set(ray as usize, Path { throughput: Vec3::ONE, root: ray, seed, remaining: p.settings.continuations, ..Path::default() });
+            p.paths.set(
+                ray as usize,
+                Path {
+                    throughput: Vec3::ONE,
+                    root: ray,
+                    seed,
+                    remaining: p.settings.continuations,
+                    ..Path::default()
+                },
+            );
         }
     }
 }

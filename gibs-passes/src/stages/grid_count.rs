@@ -22,10 +22,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let pose = &p.poses[i];
         if pose.radius > 0.0 {
-            let (cells, count) = grid::overlapped(pose.position, pose.radius, p.grid);
-            for &cell in &cells[..count] {
+            grid::overlapped(pose.position, pose.radius, p.grid, |cell| {
                 p.counts.add(cell as usize, 1);
-            }
+            });
         }
     }
 }

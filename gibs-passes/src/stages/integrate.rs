@@ -52,6 +52,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let rays = (last - first) as u32;
         let sample = sum * (PI / rays as f32);
         let clamp = p.settings.clamp != 0;
-        p.irradiance.set(i, estimator::update(&p.irradiance.get(i), sample, rays, clamp));
+        p.irradiance.set(
+            i,
+            estimator::update(&p.irradiance.get(i), sample, rays, clamp),
+        );
     }
 }

@@ -19,5 +19,6 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, _: Workgroup) {
-    p.lights.set(0, args(p.batch.count * p.frame.lights_per_point));
+    p.lights
+        .set(0, args(p.batch.count * p.frame.lights_per_point));
 }

@@ -31,3 +31,61 @@ pub mod spawn_claim;
 pub mod spawn_commit;
 pub mod trace_any;
 pub mod trace_closest;
+
+use gibs_graph::{KernelSource, Port, Stage};
+
+/// One stage, for checks that walk all of them.
+#[derive(Clone, Debug)]
+pub struct StageInfo {
+    /// Type name.
+    pub name: &'static str,
+    /// Ports.
+    pub ports: Vec<Port>,
+    /// Kernels.
+    pub kernel: KernelSource,
+}
+
+fn info<S: Stage>() -> StageInfo {
+    StageInfo {
+        name: S::NAME,
+        ports: S::ports(),
+        kernel: S::kernel(),
+    }
+}
+
+/// Every stage of this crate.
+pub fn all() -> Vec<StageInfo> {
+    vec![
+        info::<allocate_rays::AllocateRays>(),
+        info::<batch_args::BatchArgs>(),
+        info::<compose::Compose>(),
+        info::<continue_paths::ContinuePaths>(),
+        info::<gap_fill::GapFill>(),
+        info::<gather_direct::GatherDirect>(),
+        info::<gather_surfels::GatherSurfels>(),
+        info::<generate_rays::GenerateRays>(),
+        info::<grid_count::GridCount>(),
+        info::<grid_order::GridOrder>(),
+        info::<grid_scatter::GridScatter>(),
+        info::<integrate::Integrate>(),
+        info::<light_batch::LightBatch>(),
+        info::<positional_update::PositionalUpdate>(),
+        info::<primary_rays::PrimaryRays>(),
+        info::<reference_accumulate::ReferenceAccumulate>(),
+        info::<reference_emitters::ReferenceEmitters>(),
+        info::<reference_remaining::ReferenceRemaining>(),
+        info::<reference_scatter::ReferenceScatter>(),
+        info::<request_rays::RequestRays>(),
+        info::<resolve_hits::ResolveHits>(),
+        info::<sample_lights::SampleLights>(),
+        info::<scan_apply::ScanApply>(),
+        info::<scan_blocks::ScanBlocks>(),
+        info::<scan_sums::ScanSums>(),
+        info::<shade_hits::ShadeHits>(),
+        info::<spawn::Spawn>(),
+        info::<spawn_claim::SpawnClaim>(),
+        info::<spawn_commit::SpawnCommit>(),
+        info::<trace_any::TraceAny>(),
+        info::<trace_closest::TraceClosest>(),
+    ]
+}

@@ -27,7 +27,12 @@ stage! {
 
 /// Radius whose projection is `radius_pixels` at this distance from the eye, within what the grid allows, metres.
 #[inline]
-pub fn radius_at(position: Vec3, camera: &Camera, shape: &GridShape, settings: &SurfelSettings) -> f32 {
+pub fn radius_at(
+    position: Vec3,
+    camera: &Camera,
+    shape: &GridShape,
+    settings: &SurfelSettings,
+) -> f32 {
     let wanted = settings.radius_pixels * camera.pixel_angle * (position - camera.eye).length();
     wanted.min(grid::cell_side(position, shape) * grid::RADIUS_SHARE)
 }
@@ -41,8 +46,17 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let birth = &p.births[i];
         let transform = &p.transforms[birth.transform_id as usize];
         let position = map_point(&transform.to_world, birth.position);
-        let normal = map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
+        let normal =
+            map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
         let radius = radius_at(position, p.camera, p.grid, p.settings);
-        p.poses.set(i, SurfelPose { position, radius, normal, identity: pose.identity });
+        p.poses.set(
+            i,
+            SurfelPose {
+                position,
+                radius,
+                normal,
+                identity: pose.identity,
+            },
+        );
     }
 }

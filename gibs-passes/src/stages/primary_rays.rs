@@ -24,6 +24,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let across = x / camera.width as f32 * 2.0 - 1.0;
         let upwards = 1.0 - y / camera.height as f32 * 2.0;
         let direction = (camera.forward + camera.right * across + camera.up * upwards).normalize();
-        p.rays.set(i, Ray { origin: camera.eye, t_min: -0.0, direction, t_max: f32::MAX });
+        p.rays.set(
+            i,
+            Ray {
+                origin: camera.eye,
+                t_min: -0.0,
+                direction,
+                t_max: f32::MAX,
+            },
+        );
     }
 }

@@ -50,7 +50,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         let direction = p.rays[i].direction;
         let point = &p.points[i];
-        let cosine = octahedral::unpack(vertex.shading_normal).dot(direction).max(0.0);
+        let cosine = octahedral::unpack(vertex.shading_normal)
+            .dot(direction)
+            .max(0.0);
         let own = cosine * FRAC_1_PI;
         let share = emitter::sky_share(frame);
         let met;
@@ -69,7 +71,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             met = texel.truncate();
             density = share.max(0.0) * texel.w / environment::solid_angle_per_area(direction);
         }
-        let weight = if own > 0.0 { own / (own + density) } else { 1.0 };
+        let weight = if own > 0.0 {
+            own / (own + density)
+        } else {
+            1.0
+        };
         path.sample += path.scale * (arriving + met * (PI * weight));
         path.segment += 1;
         let mut ends = true;

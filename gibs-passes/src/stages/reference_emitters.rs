@@ -44,7 +44,12 @@ pub fn find(len: u32, x: f32, at: impl Fn(u32) -> f32) -> u32 {
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.paths.len() as u32) {
         let path = &p.paths[i];
-        let mut ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: 0.0 };
+        let mut ray = Ray {
+            origin: Vec3::ZERO,
+            t_min: 0.0,
+            direction: Vec3::Z,
+            t_max: 0.0,
+        };
         let mut irradiance = Vec3::ZERO;
         let share = emitter::sky_share(p.frame);
         if path.segment != 0 && share >= 0.0 {
@@ -57,29 +62,48 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             };
             let (which, a, b, c) = (random(), random(), random(), random());
             let (direction, distance, radiance, density) = if which < share {
-                let texel = find(p.sky_cumulative.len() as u32, a, |k| p.sky_cumulative[k as usize]);
+                let texel = find(p.sky_cumulative.len() as u32, a, |k| {
+                    p.sky_cumulative[k as usize]
+                });
                 let side = p.frame.environment_side;
                 let direction = environment::direction(side, texel % side, texel / side, b, c);
                 let map = p.environment[texel as usize];
                 let density = share * map.w / environment::solid_angle_per_area(direction);
                 (direction, f32::MAX, map.truncate(), density)
             } else {
-                let index = find(p.emitters.len() as u32, a, |k| p.emitters[k as usize].cumulative);
+                let index = find(p.emitters.len() as u32, a, |k| {
+                    p.emitters[k as usize].cumulative
+                });
                 let chosen = &p.emitters[index as usize];
                 let (u, v) = emitter::triangle_point(b, c);
                 let d = chosen.v0 + chosen.e1 * u + chosen.e2 * v - vertex.position;
                 let distance = d.dot(d).sqrt();
                 let direction = d / distance.max(1e-30);
-                let density =
-                    (1.0 - share) * emitter::density(p.frame, chosen.radiance, emitter::facing(chosen, direction), distance);
-                (direction, distance * emitter::REACH, emitter::radiance(chosen, direction), density)
+                let density = (1.0 - share)
+                    * emitter::density(
+                        p.frame,
+                        chosen.radiance,
+                        emitter::facing(chosen, direction),
+                        distance,
+                    );
+                (
+                    direction,
+                    distance * emitter::REACH,
+                    emitter::radiance(chosen, direction),
+                    density,
+                )
             };
             let cosine = normal.dot(direction);
             if cosine > 0.0 && density > 0.0 {
                 irradiance = radiance * (cosine / (density + cosine * FRAC_1_PI));
                 let geometric = octahedral::unpack(vertex.geometric_normal);
                 let origin = sampling::start(vertex.position, geometric, vertex.offset, direction);
-                ray = Ray { origin, t_min: 0.0, direction, t_max: distance };
+                ray = Ray {
+                    origin,
+                    t_min: 0.0,
+                    direction,
+                    t_max: distance,
+                };
             }
         }
         p.rays.set(i, ray);

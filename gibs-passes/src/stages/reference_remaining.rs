@@ -21,6 +21,8 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.paths.len() as u32);
-    let count = range.filter(|&i| !finished(&p.paths[i], &p.primary[i], p.frame.samples)).count();
+    let count = range
+        .filter(|&i| !finished(&p.paths[i], &p.primary[i], p.frame.samples))
+        .count();
     p.remaining.add(0, count as u32);
 }

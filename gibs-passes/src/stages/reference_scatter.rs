@@ -26,7 +26,12 @@ stage! {
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.primary.len() as u32) {
         let mut path = p.paths.get(i);
-        let mut ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: 0.0 };
+        let mut ray = Ray {
+            origin: Vec3::ZERO,
+            t_min: 0.0,
+            direction: Vec3::Z,
+            t_max: 0.0,
+        };
         if path.segment == 0 && path.done < p.frame.samples && surface::is_surface(&p.primary[i]) {
             p.vertices.set(i, p.primary[i]);
             path.scale = Vec3::ONE;
@@ -44,7 +49,12 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let direction = sampling::to_world(local, normal);
             let geometric = octahedral::unpack(vertex.geometric_normal);
             let origin = sampling::start(vertex.position, geometric, vertex.offset, direction);
-            ray = Ray { origin, t_min: 0.0, direction, t_max: f32::MAX };
+            ray = Ray {
+                origin,
+                t_min: 0.0,
+                direction,
+                t_max: f32::MAX,
+            };
         }
         p.paths.set(i, path);
         p.rays.set(i, ray);

@@ -35,7 +35,11 @@ fn xyz(v: Vec4) -> Vec3 {
 /// An affine map given by rows, applied to a point.
 #[inline]
 pub fn map_point(rows: &[Vec4; 3], p: Vec3) -> Vec3 {
-    Vec3::new(xyz(rows[0]).dot(p) + rows[0].w, xyz(rows[1]).dot(p) + rows[1].w, xyz(rows[2]).dot(p) + rows[2].w)
+    Vec3::new(
+        xyz(rows[0]).dot(p) + rows[0].w,
+        xyz(rows[1]).dot(p) + rows[1].w,
+        xyz(rows[2]).dot(p) + rows[2].w,
+    )
 }
 
 /// The transpose of a linear map given by rows, applied to a vector. With the inverse map's rows, this maps normals.
@@ -68,7 +72,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let reach = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
         let offset = magnitude(&instance.object_to_world, reach) * surface::OFFSET;
         // The counter-clockwise side; a mirroring map turns the winding, not the side.
-        let face = map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
+        let face =
+            map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
         let front = face.dot(direction) < 0.0;
         let side = if front { 1.0 } else { -1.0 };
         let mut smooth = face;
@@ -87,20 +92,34 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let uv = uv_at(corners, hit.u, hit.v);
         let color = texture::base_color(material, &p.texels, uv);
         let shines = front || material.flags & texture::DOUBLE_SIDED != 0;
-        let emission = if shines { texture::emission(material, &p.texels, uv) } else { Vec3::ZERO };
-        let emitter = if shines && material.emission_texels == NONE { surface::EMITTER } else { 0 };
+        let emission = if shines {
+            texture::emission(material, &p.texels, uv)
+        } else {
+            Vec3::ZERO
+        };
+        let emitter = if shines && material.emission_texels == NONE {
+            surface::EMITTER
+        } else {
+            0
+        };
         let (albedo_rg, albedo_b_flags) = surface::pack_albedo(xyz(color), emitter);
-        let transform_id =
-            if triangle.transform_id == NONE { instance.transform_id } else { triangle.transform_id };
-        p.points.set(i, SurfacePoint {
-            position,
-            offset,
-            geometric_normal: octahedral::pack(face * side),
-            shading_normal: octahedral::pack(smooth * side),
-            albedo_rg,
-            albedo_b_flags,
-            emission,
-            transform_id,
-        });
+        let transform_id = if triangle.transform_id == NONE {
+            instance.transform_id
+        } else {
+            triangle.transform_id
+        };
+        p.points.set(
+            i,
+            SurfacePoint {
+                position,
+                offset,
+                geometric_normal: octahedral::pack(face * side),
+                shading_normal: octahedral::pack(smooth * side),
+                albedo_rg,
+                albedo_b_flags,
+                emission,
+                transform_id,
+            },
+        );
     }
 }

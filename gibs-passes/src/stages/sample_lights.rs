@@ -56,23 +56,41 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
         let point = &p.points[i / each as usize];
         let choice = i as u32 % each;
-        let mut ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: 0.0 };
+        let mut ray = Ray {
+            origin: Vec3::ZERO,
+            t_min: 0.0,
+            direction: Vec3::Z,
+            t_max: 0.0,
+        };
         let mut irradiance = Vec3::ZERO;
         if surface::is_surface(point) && choice < frame.lights {
             let (index, weight) = if frame.lights <= each {
                 (choice, 1.0)
             } else {
-                let x = hash::hash3(point.position.x.to_bits(), point.position.y.to_bits(), point.position.z.to_bits());
+                let x = hash::hash3(
+                    point.position.x.to_bits(),
+                    point.position.y.to_bits(),
+                    point.position.z.to_bits(),
+                );
                 let u = hash::unit(hash::hash3(x, frame.number ^ frame.seed, choice));
                 let stratum = (choice as f32 + u) / each as f32 * frame.lights as f32;
-                ((stratum as u32).min(frame.lights - 1), frame.lights as f32 / each as f32)
+                (
+                    (stratum as u32).min(frame.lights - 1),
+                    frame.lights as f32 / each as f32,
+                )
             };
             let n = octahedral::unpack(point.shading_normal);
-            let (unshadowed, to, distance) = unshadowed(&p.lights[index as usize], point.position, n);
+            let (unshadowed, to, distance) =
+                unshadowed(&p.lights[index as usize], point.position, n);
             if unshadowed.max_element() > 0.0 {
                 let geometric = octahedral::unpack(point.geometric_normal);
                 let origin = sampling::start(point.position, geometric, point.offset, to);
-                ray = Ray { origin, t_min: 0.0, direction: to, t_max: distance * REACH };
+                ray = Ray {
+                    origin,
+                    t_min: 0.0,
+                    direction: to,
+                    t_max: distance * REACH,
+                };
                 irradiance = unshadowed * weight;
             }
         }

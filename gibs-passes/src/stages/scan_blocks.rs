@@ -23,5 +23,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     }
     let first = block * BLOCK;
     let last = (first + BLOCK).min(p.values.len());
-    p.sums.set(block, p.values[first..last].iter().fold(0, |sum, &x| sum.wrapping_add(x)));
+    p.sums.set(
+        block,
+        p.values[first..last]
+            .iter()
+            .fold(0, |sum, &x| sum.wrapping_add(x)),
+    );
 }

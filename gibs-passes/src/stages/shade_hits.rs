@@ -47,15 +47,27 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 arriving += gathered.average * (1.0 - gathered.weight);
             } else if hash::unit(seed) < (1.0 - gathered.weight) * largest {
                 goes_on = 1;
-                p.paths.set(i, Path { throughput: path.throughput * albedo / largest, seed, ..path });
+                p.paths.set(
+                    i,
+                    Path {
+                        throughput: path.throughput * albedo / largest,
+                        seed,
+                        ..path
+                    },
+                );
             }
             point.emission + albedo * FRAC_1_PI * arriving
         } else {
-            environment::radiance(&p.environment, p.frame.environment_side, p.rays[i].direction)
+            environment::radiance(
+                &p.environment,
+                p.frame.environment_side,
+                p.rays[i].direction,
+            )
         };
         let root = path.root as usize;
         let sum = p.radiance.get(root);
-        p.radiance.set(root, sum + (path.throughput * added).extend(0.0));
+        p.radiance
+            .set(root, sum + (path.throughput * added).extend(0.0));
         p.goes_on.set(i, goes_on);
     }
 }

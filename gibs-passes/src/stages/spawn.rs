@@ -2,8 +2,8 @@
 use super::positional_update::radius_at;
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
-    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
-    SurfelSettings, Transform,
+    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
+    SurfelPose, SurfelSettings, Transform,
 };
 use crate::shared::{hash, octahedral};
 use gibs_graph::{Workgroup, stage};
@@ -44,21 +44,32 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let transform = &p.transforms[point.transform_id as usize];
         let normal = octahedral::unpack(point.geometric_normal);
         let local = map_transposed(&transform.to_world, normal).normalize();
-        p.births.set(slot, SurfelBirth {
-            position: map_point(&transform.to_local, point.position),
-            transform_id: point.transform_id,
-            normal: octahedral::pack(local),
-            frame: p.frame.number,
-            offset: point.offset,
-            pad: 0,
-        });
-        p.poses.set(slot, SurfelPose {
-            position: point.position,
-            radius: radius_at(point.position, p.camera, p.grid, p.settings),
-            normal,
-            identity: hash::hash3(tile as u32, p.frame.number, p.frame.seed),
-        });
+        p.births.set(
+            slot,
+            SurfelBirth {
+                position: map_point(&transform.to_local, point.position),
+                transform_id: point.transform_id,
+                normal: octahedral::pack(local),
+                frame: p.frame.number,
+                offset: point.offset,
+                pad: 0,
+            },
+        );
+        p.poses.set(
+            slot,
+            SurfelPose {
+                position: point.position,
+                radius: radius_at(point.position, p.camera, p.grid, p.settings),
+                normal,
+                identity: hash::hash3(tile as u32, p.frame.number, p.frame.seed),
+            },
+        );
         p.irradiance.set(slot, SurfelIrradiance::default());
-        p.depths.set(slot, SurfelDepth { texels: [u32::MAX; 16] });
+        p.depths.set(
+            slot,
+            SurfelDepth {
+                texels: [u32::MAX; 16],
+            },
+        );
     }
 }

@@ -28,11 +28,18 @@ stage! {
 }
 
 fn scalar_kernel(p: &Views<'_>, group: Workgroup) {
-    let view = AccelView { nodes: p.nodes.slice(), triangles: p.triangles.slice(), instances: p.instances.slice() };
+    let view = AccelView {
+        nodes: p.nodes.slice(),
+        triangles: p.triangles.slice(),
+        instances: p.instances.slice(),
+    };
     for i in group.range(p.batch.count) {
         let ray = &p.rays[i];
         let filter = stops(ray, &p.triangles, &p.corners, &p.materials, &p.texels);
-        p.visible.set(i, u32::from(!(ray.t_max > 0.0 && scalar::any(&view, ray, filter))));
+        p.visible.set(
+            i,
+            u32::from(!(ray.t_max > 0.0 && scalar::any(&view, ray, filter))),
+        );
     }
 }
 
@@ -46,6 +53,9 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
         let ray = &p.rays[i];
         let filter = stops(ray, &p.triangles, &p.corners, &p.materials, &p.texels);
-        p.visible.set(i, u32::from(!(ray.t_max > 0.0 && tracer.any(&view, ray, filter))));
+        p.visible.set(
+            i,
+            u32::from(!(ray.t_max > 0.0 && tracer.any(&view, ray, filter))),
+        );
     }
 }

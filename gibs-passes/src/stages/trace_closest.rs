@@ -51,7 +51,11 @@ pub fn stops<'a>(
 }
 
 fn scalar_kernel(p: &Views<'_>, group: Workgroup) {
-    let view = AccelView { nodes: p.nodes.slice(), triangles: p.triangles.slice(), instances: p.instances.slice() };
+    let view = AccelView {
+        nodes: p.nodes.slice(),
+        triangles: p.triangles.slice(),
+        instances: p.instances.slice(),
+    };
     for i in group.range(p.batch.count) {
         let ray = &p.rays[i];
         let filter = stops(ray, &p.triangles, &p.corners, &p.materials, &p.texels);

@@ -1,0 +1,73 @@
+//! What several tests share.
+#![allow(dead_code, reason = "each test uses a part")]
+use gibs::Renderer;
+use gibs::backends::{self, Choice};
+use gibs::graph::Backend;
+use gibs::passes::frame::Settings;
+use gibs::passes::scene::Scene;
+use gibs::picture::Picture;
+use gibs::view::View;
+
+/// Every backend that this build has. One that the machine lacks is a failure under `GIBS_STRICT=1`; else it is
+/// reported as not run.
+pub fn all_backends() -> Vec<Box<dyn Backend>> {
+    let mut found = Vec::new();
+    for &choice in backends::BUILT {
+        match backends::open(choice) {
+            Ok(backend) => found.push(backend),
+            Err(error) if std::env::var_os("GIBS_STRICT").is_some_and(|v| v == "1") => {
+                panic!("{choice}: {error}")
+            }
+            Err(error) => eprintln!("not run on {choice}: {error}"),
+        }
+    }
+    found
+}
+
+/// The CPU backend.
+pub fn cpu() -> Box<dyn Backend> {
+    backends::open(Choice::Cpu).expect("the CPU backend needs nothing")
+}
+
+/// Settings with a smaller budget than the default, for small pictures.
+pub fn settings(rays: u32) -> Settings {
+    Settings {
+        rays,
+        surfels: 8192,
+        ..Settings::default()
+    }
+}
+
+/// A picture after some frames.
+pub fn render(
+    backend: &dyn Backend,
+    (scene, view): &(Scene, View),
+    size: [u32; 2],
+    frames: u32,
+    settings: &Settings,
+    seed: u32,
+) -> Picture {
+    let mut renderer = Renderer::new(backend, scene, view, size, settings, seed)
+        .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+    for _ in 0..frames {
+        renderer
+            .frame()
+            .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+    }
+    renderer
+        .picture()
+        .unwrap_or_else(|e| panic!("{}: {e}", backend.name()))
+}
+
+/// Mean of the three channels of a layer over the pixels that hit something.
+pub fn mean(picture: &Picture, layer: &str) -> f64 {
+    let mask = picture.scalar("mask.A").expect("a mask");
+    let planes = picture.rgb(layer).expect("the layer");
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (i, _) in mask.iter().enumerate().filter(|(_, m)| **m > 0.0) {
+        sum += planes.iter().map(|plane| f64::from(plane[i])).sum::<f64>() / 3.0;
+        count += 1.0;
+    }
+    sum / f64::max(count, 1.0)
+}

@@ -1,0 +1,60 @@
+//! The same inputs give the same bits, run to run, on any one backend.
+mod common;
+
+use common::{all_backends, render, settings};
+use gibs::builtin;
+use gibs_backend_cpu::{CpuBackend, Options};
+
+#[test]
+fn two_runs_give_the_same_bits() {
+    let scene = builtin::by_name("window-room").expect("built in");
+    let settings = settings(8_000);
+    for backend in all_backends() {
+        let first = render(backend.as_ref(), &scene, [80, 45], 12, &settings, 7);
+        let second = render(backend.as_ref(), &scene, [80, 45], 12, &settings, 7);
+        assert!(first == second, "{}: two runs differ", backend.name());
+        let other = render(backend.as_ref(), &scene, [80, 45], 12, &settings, 8);
+        assert!(
+            first != other,
+            "{}: another seed gives the same picture",
+            backend.name()
+        );
+    }
+}
+
+/// Neither the number of threads nor the order of workgroups nor the width of the traversal shows; and in the
+/// checking mode no two workgroups of any stage write one element.
+#[test]
+fn threads_and_order_do_not_show() {
+    let scene = builtin::by_name("window-room").expect("built in");
+    let settings = settings(4_000);
+    let with = |options: Options| {
+        let backend = CpuBackend::new(options).expect("threads start");
+        render(&backend, &scene, [48, 27], 6, &settings, 3)
+    };
+    let one = with(Options {
+        threads: Some(1),
+        ..Options::default()
+    });
+    assert!(
+        one == with(Options {
+            threads: Some(3),
+            ..Options::default()
+        }),
+        "the number of threads shows"
+    );
+    assert!(
+        one == with(Options {
+            scalar: true,
+            ..Options::default()
+        }),
+        "the wide traversal shows"
+    );
+    assert!(
+        one == with(Options {
+            checked: true,
+            ..Options::default()
+        }),
+        "the order of workgroups shows"
+    );
+}
