@@ -315,8 +315,9 @@ element! {
         weight: f32,
         /// Average irradiance of the cell, with normal and depth weights only, W/m^2.
         average: Vec3,
-        /// Summed weight of the average.
-        average_weight: f32,
+        /// How far to trust the irradiance as the light of further bounces, 0 to 1: weighted mean of
+        /// `lookup::trust` over the surfels.
+        confidence: f32,
     }
 
     /// A path from a surfel: the ray with the same index is its next segment.

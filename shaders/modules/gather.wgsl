@@ -1,8 +1,8 @@
 // Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`, `depths`,
-// `irradiance`, `grid` and `settings`.
+// `irradiance`, `births`, `frame`, `grid` and `settings`.
 import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff};
+import package::lookup::{LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff, lookup_trust};
 import package::types::{Gathered, SurfelPose};
 
 fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -29,12 +29,17 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         weight *= gather_share(id, pose, d);
         g.irradiance += irradiance[id].mean * weight;
         g.weight += weight;
+        g.confidence += weight * lookup_trust(frame.number - births[id].frame);
+    }
+    if g.weight > 0.0 {
+        g.confidence /= g.weight;
     }
     if g.weight >= 1.0 {
         g.irradiance /= g.weight;
         g.weight = 1.0;
         return g;
     }
+    var average_weight = 0.0;
     for (var i = 0u; i < min(count, LOOKUP_AVERAGE_OF); i++) {
         let id = entries[cell.x + i];
         let pose = poses[id];
@@ -44,10 +49,10 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         }
         weight *= gather_share(id, pose, point - pose.position);
         g.average += irradiance[id].mean * weight;
-        g.average_weight += weight;
+        average_weight += weight;
     }
-    if g.average_weight > 0.0 {
-        g.average /= g.average_weight;
+    if average_weight > 0.0 {
+        g.average /= average_weight;
     }
     return g;
 }

@@ -11,6 +11,8 @@ const LOOKUP_SQUASH: f32 = 2.0;
 const LOOKUP_PEAK: f32 = 2.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 const LOOKUP_AVERAGE_OF: u32 = 16u;
+/// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces.
+const LOOKUP_TRUSTED_AFTER: f32 = 32.0;
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 const LOOKUP_LEAST_VARIANCE: f32 = 1e-4;
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
@@ -36,6 +38,11 @@ fn lookup_chebyshev(m: vec2<f32>, t: f32) -> f32 {
     let d = t - m.x;
     let bound = variance / (variance + d * d);
     return max((bound - LOOKUP_CHEBYSHEV_FLOOR) / (1.0 - LOOKUP_CHEBYSHEV_FLOOR), 0.0);
+}
+
+/// How far to trust a surfel of an age in frames, 0 to 1.
+fn lookup_trust(age: u32) -> f32 {
+    return min(f32(age) / LOOKUP_TRUSTED_AFTER, 1.0);
 }
 
 /// Distance factor: `LOOKUP_PEAK` at the centre, 0 at the radius, smooth at both.

@@ -197,7 +197,7 @@ struct Gathered {
     irradiance: vec3<f32>,
     weight: f32,
     average: vec3<f32>,
-    average_weight: f32,
+    confidence: f32,
 }
 
 struct Path {

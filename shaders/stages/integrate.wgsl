@@ -22,6 +22,9 @@ fn depth_index(x: f32) -> u32 {
     return min(u32(max(x * f32(LOOKUP_DEPTH_SIDE), 0.0)), LOOKUP_DEPTH_SIDE - 1u);
 }
 
+/// Rays after which a texel's share of a new distance has halved from all.
+const DEPTH_SETTLES: f32 = 32.0;
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -39,6 +42,7 @@ fn main(
     }
     let pose = poses[i];
     let diameter = 2.0 * pose.radius;
+    let before = irradiance[i].samples;
     var sum = vec3<f32>(0.0);
     for (var ray = first; ray < last; ray++) {
         sum += radiance[ray].xyz;
@@ -50,8 +54,9 @@ fn main(
         if hits[ray].t < diameter {
             t = hits[ray].t / diameter;
         }
+        let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(before + (ray - first))));
         let old = lookup_moments(depths[i].texels[texel]);
-        let new_moments = old + (vec2<f32>(t, t * t) - old) * settings.depth_blend;
+        let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
         depths[i].texels[texel] = lookup_pack_moments(new_moments);
     }
     let count = last - first;

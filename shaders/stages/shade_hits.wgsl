@@ -37,11 +37,15 @@ fn main(
         let albedo = surface_albedo(point);
         let largest = vector_max_element(albedo);
         let seed = hash_pcg(path.seed);
-        var arriving = direct[i].xyz + gathered[i].irradiance;
+        let trusted = gathered[i].weight * gathered[i].confidence;
+        var arriving = direct[i].xyz;
         if path.remaining == 0u {
-            // The path ends here: the cell's average stands in for what it would have found.
-            arriving += gathered[i].average * (1.0 - gathered[i].weight);
-        } else if hash_unit(seed) < (1.0 - gathered[i].weight) * largest {
+            // The path ends here: all that the surfels know, and the cell's average for what they leave.
+            arriving += gathered[i].irradiance + gathered[i].average * (1.0 - gathered[i].weight);
+        } else {
+            arriving += gathered[i].irradiance * gathered[i].confidence;
+        }
+        if path.remaining != 0u && hash_unit(seed) < (1.0 - trusted) * largest {
             goes = 1u;
             paths[i].throughput = path.throughput * albedo / largest;
             paths[i].seed = seed;

@@ -48,7 +48,7 @@ impl Default for Settings {
             depth_blend: 0.05,
             clamp: false,
             lights: 4,
-            continuations: 3,
+            continuations: 8,
             grid_side: 0,
             grid_reach: 400.0,
             grid_half: 1.0 / 64.0,

@@ -133,6 +133,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     let gathered = gather(
         g,
         "apply/lighting_apply",
+        &scene.frame,
         &grid,
         &device_settings,
         &surfels,
@@ -258,6 +259,7 @@ fn build_grid(
 fn gather(
     g: &mut Graph,
     label: &str,
+    frame: &Buffer<Frame>,
     grid: &Grid,
     settings: &Buffer<SurfelSettings>,
     surfels: &Surfels,
@@ -270,12 +272,14 @@ fn gather(
         label,
         gather_surfels::Inputs {
             batch: batch.args,
+            frame,
             grid: &grid.shape,
             settings,
             points,
             cells: &grid.cells,
             entries: &grid.entries,
             poses: &surfels.poses,
+            births: &surfels.births,
             irradiance: &surfels.irradiance,
             depths: &surfels.depths,
             gathered,
@@ -367,6 +371,7 @@ fn integrate_rays(
         let gathered = gather(
             g,
             &label,
+            &scene.frame,
             grid,
             device_settings,
             &surfels,

@@ -3,7 +3,9 @@
 use super::grid;
 use super::octahedral::hemisphere_encode;
 use super::sampling::to_local;
-use crate::data::{Gathered, GridShape, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{
+    Gathered, GridShape, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
+};
 use glam::{UVec2, Vec2, Vec3};
 
 /// Texels along each side of a depth function.
@@ -17,6 +19,17 @@ pub const PEAK: f32 = 2.0;
 
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 pub const AVERAGE_OF: usize = 16;
+
+/// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces. Younger, it lacks
+/// the light that its neighbours had not found yet, and a long mean would keep that lack: in a white box of albedo a,
+/// the error falls with time only as t^(-2 (1 - a)).
+pub const TRUSTED_AFTER: f32 = 32.0;
+
+/// How far to trust a surfel of an age in frames, 0 to 1.
+#[inline]
+pub fn trust(age: u32) -> f32 {
+    (age as f32 / TRUSTED_AFTER).min(1.0)
+}
 
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 pub const LEAST_VARIANCE: f32 = 1e-4;
@@ -136,11 +149,14 @@ pub fn coverage(
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
 /// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
+#[allow(clippy::too_many_arguments, reason = "the ports of the stage")]
 pub fn gather(
     point: Vec3,
     normal: Vec3,
     s: &Surfels<'_>,
     irradiance: &[SurfelIrradiance],
+    births: &[SurfelBirth],
+    frame: u32,
     grid: &GridShape,
     settings: &SurfelSettings,
 ) -> Gathered {
@@ -165,12 +181,17 @@ pub fn gather(
         weight *= share(id, d);
         g.irradiance += irradiance[id].mean * weight;
         g.weight += weight;
+        g.confidence += weight * trust(frame.wrapping_sub(births[id].frame));
+    }
+    if g.weight > 0.0 {
+        g.confidence /= g.weight;
     }
     if g.weight >= 1.0 {
         g.irradiance /= g.weight;
         g.weight = 1.0;
         return g;
     }
+    let mut average_weight = 0.0;
     for &id in &entries[..entries.len().min(AVERAGE_OF)] {
         let id = id as usize;
         let pose = &s.poses[id];
@@ -180,10 +201,10 @@ pub fn gather(
         }
         weight *= share(id, point - pose.position);
         g.average += irradiance[id].mean * weight;
-        g.average_weight += weight;
+        average_weight += weight;
     }
-    if g.average_weight > 0.0 {
-        g.average /= g.average_weight;
+    if average_weight > 0.0 {
+        g.average /= average_weight;
     }
     g
 }

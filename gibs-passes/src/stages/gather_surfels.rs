@@ -1,6 +1,7 @@
 //! `*/gather_surfels`, `apply/lighting_apply`: irradiance at points from the surfels around them (S12).
 use crate::data::{
-    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
+    Frame, Gathered, GridShape, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
+    SurfelPose, SurfelSettings,
 };
 use crate::shared::{lookup, octahedral, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
@@ -14,12 +15,14 @@ stage! {
         workgroup: [64, 1, 1],
         ports: {
             uniform batch: DispatchArgs,
+            uniform frame: Frame,
             uniform grid: GridShape,
             uniform settings: SurfelSettings,
             read points: SurfacePoint,
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
+            read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
             read depths: SurfelDepth,
             write gathered: Gathered,
@@ -45,6 +48,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 normal,
                 &surfels,
                 &p.irradiance,
+                &p.births,
+                p.frame.number,
                 p.grid,
                 p.settings,
             )

@@ -28,6 +28,16 @@ stage! {
     }
 }
 
+/// Rays after which a texel's share of a new distance has halved from all.
+pub const DEPTH_SETTLES: f32 = 32.0;
+
+/// Share of a new distance in a texel's moments: the first ones replace the initial diameter, which is a guess; the
+/// share then falls to that of the moving average.
+#[inline]
+pub fn depth_blend(samples: u32, least: f32) -> f32 {
+    least.max(DEPTH_SETTLES / (DEPTH_SETTLES + samples as f32))
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
@@ -37,6 +47,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let pose = &p.poses[i];
         let mut sum = Vec3::ZERO;
         let mut depth = p.depths.get(i);
+        let before = p.irradiance.get(i).samples;
         for ray in first..last {
             sum += p.radiance[ray].truncate();
             let local = sampling::to_local(p.rays[ray].direction, pose.normal);
@@ -44,8 +55,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
             let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
             let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
+            let blend = depth_blend(before + (ray - first) as u32, p.settings.depth_blend);
             let old = moments(depth.texels[texel]);
-            let new = old + (Vec2::new(t, t * t) - old) * p.settings.depth_blend;
+            let new = old + (Vec2::new(t, t * t) - old) * blend;
             depth.texels[texel] = pack_moments(new);
         }
         p.depths.set(i, depth);

@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_1_PI;
 
 stage! {
     /// Adds to each path's root: the sky for a miss; else emission, and albedo over pi times the direct irradiance and
-    /// the surfels' irradiance at the hit (GIBS, "Integrating Irradiance"). Where the surfels' summed weight is below
+    /// the surfels' irradiance at the hit (GIBS, "Integrating Irradiance"). Where the surfels' trusted weight is below
     /// one, the path goes on with the probability of what is missing times the albedo's largest part, so that nothing
     /// is lost on average; a path at its last segment takes the cell's average instead. `goes_on` is 1 for those that
     /// go on.
@@ -41,11 +41,15 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let gathered = &p.gathered[i];
             let largest = albedo.max_element();
             let seed = hash::pcg(path.seed);
-            let mut arriving = p.direct[i].truncate() + gathered.irradiance;
+            let trusted = gathered.weight * gathered.confidence;
+            let mut arriving = p.direct[i].truncate();
             if path.remaining == 0 {
-                // The path ends here: the cell's average stands in for what it would have found.
-                arriving += gathered.average * (1.0 - gathered.weight);
-            } else if hash::unit(seed) < (1.0 - gathered.weight) * largest {
+                // The path ends here: all that the surfels know, and the cell's average for what they leave.
+                arriving += gathered.irradiance + gathered.average * (1.0 - gathered.weight);
+            } else {
+                arriving += gathered.irradiance * gathered.confidence;
+            }
+            if path.remaining != 0 && hash::unit(seed) < (1.0 - trusted) * largest {
                 goes_on = 1;
                 p.paths.set(
                     i,
