@@ -2,7 +2,7 @@
 // `irradiance`, `births`, `frame`, `grid` and `settings`.
 import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff, lookup_trust};
+import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff, lookup_trust};
 import package::types::{Gathered, SurfelPose};
 
 fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -51,8 +51,6 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         g.average += irradiance[id].mean * weight;
         average_weight += weight;
     }
-    if average_weight > 0.0 {
-        g.average /= average_weight;
-    }
+    g.average /= max(average_weight, LOOKUP_AVERAGE_LEAST);
     return g;
 }

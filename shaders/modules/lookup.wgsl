@@ -11,6 +11,8 @@ const LOOKUP_SQUASH: f32 = 2.0;
 const LOOKUP_PEAK: f32 = 2.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 const LOOKUP_AVERAGE_OF: u32 = 16u;
+/// Summed weight below which a cell's average is not made up to a full one.
+const LOOKUP_AVERAGE_LEAST: f32 = 0.5;
 /// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces.
 const LOOKUP_TRUSTED_AFTER: f32 = 32.0;
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
@@ -37,7 +39,8 @@ fn lookup_chebyshev(m: vec2<f32>, t: f32) -> f32 {
     let variance = max(m.y - m.x * m.x, LOOKUP_LEAST_VARIANCE);
     let d = t - m.x;
     let bound = variance / (variance + d * d);
-    return max((bound - LOOKUP_CHEBYSHEV_FLOOR) / (1.0 - LOOKUP_CHEBYSHEV_FLOOR), 0.0);
+    let tight = max((bound - LOOKUP_CHEBYSHEV_FLOOR) / (1.0 - LOOKUP_CHEBYSHEV_FLOOR), 0.0);
+    return tight * tight * tight;
 }
 
 /// How far to trust a surfel of an age in frames, 0 to 1.

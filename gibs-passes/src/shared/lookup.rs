@@ -20,6 +20,11 @@ pub const PEAK: f32 = 2.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 pub const AVERAGE_OF: usize = 16;
 
+/// Summed weight below which a cell's average is not made up to a full one: where next to nothing of the cell is
+/// visible from a point, the little that shines through is a leak, and dividing by its weight would undo the depth
+/// functions.
+pub const AVERAGE_LEAST: f32 = 0.5;
+
 /// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces. Younger, it lacks
 /// the light that its neighbours had not found yet, and a long mean would keep that lack: in a white box of albedo a,
 /// the error falls with time only as t^(-2 (1 - a)).
@@ -67,7 +72,8 @@ pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
 }
 
 /// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
-/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006).
+/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006), cubed because it is only an upper
+/// bound (as Majercik et al. 2019 do).
 #[inline]
 pub fn chebyshev(m: Vec2, t: f32) -> f32 {
     if t <= m.x {
@@ -76,7 +82,8 @@ pub fn chebyshev(m: Vec2, t: f32) -> f32 {
     let variance = (m.y - m.x * m.x).max(LEAST_VARIANCE);
     let d = t - m.x;
     let bound = variance / (variance + d * d);
-    ((bound - CHEBYSHEV_FLOOR) / (1.0 - CHEBYSHEV_FLOOR)).max(0.0)
+    let tight = ((bound - CHEBYSHEV_FLOOR) / (1.0 - CHEBYSHEV_FLOOR)).max(0.0);
+    tight * tight * tight
 }
 
 /// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
@@ -203,9 +210,7 @@ pub fn gather(
         g.average += irradiance[id].mean * weight;
         average_weight += weight;
     }
-    if average_weight > 0.0 {
-        g.average /= average_weight;
-    }
+    g.average /= average_weight.max(AVERAGE_LEAST);
     g
 }
 
@@ -217,8 +222,8 @@ mod tests {
     fn chebyshev_is_one_up_to_the_mean_and_falls_beyond() {
         let m = Vec2::new(0.4, 0.17);
         assert_eq!(chebyshev(m, 0.4), 1.0);
-        // variance 0.01, one standard deviation beyond: bound 1/2, after the floor 1/3.
-        assert!((chebyshev(m, 0.5) - 1.0 / 3.0).abs() < 1e-5);
+        // variance 0.01, one standard deviation beyond: bound 1/2, after the floor 1/3, cubed 1/27.
+        assert!((chebyshev(m, 0.5) - 1.0 / 27.0).abs() < 1e-5);
         assert_eq!(chebyshev(m, 0.9), 0.0);
         // Zero variance never divides by zero.
         assert!(chebyshev(Vec2::new(0.5, 0.25), 0.5 + 1e-6).is_finite());
