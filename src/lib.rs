@@ -16,3 +16,8 @@ pub mod view;
 pub use gibs_graph as graph;
 pub use gibs_passes as passes;
 pub use renderer::{RenderError, Renderer};
+
+/// Compiles the program in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

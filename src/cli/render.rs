@@ -187,7 +187,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         }
         if counters.overflow > 0 {
             eprintln!(
-                "warning: {} entries did not fit the grid; raise `surfels` or lower `radius`",
+                "warning: {} entries did not fit the grid; raise `grid_lists`",
                 counters.overflow
             );
         }

@@ -33,6 +33,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub grid_reach: f32,
     /// See [`Settings::all`].
+    pub grid_lists: u32,
+    /// See [`Settings::all`].
     pub grid_half: f32,
 }
 
@@ -51,6 +53,7 @@ impl Default for Settings {
             continuations: 8,
             grid_side: 0,
             grid_reach: 400.0,
+            grid_lists: 8,
             grid_half: 1.0 / 64.0,
         }
     }
@@ -176,6 +179,7 @@ settings! {
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
     grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice; 0 to fit the surfels";
     grid_reach: f32, "cube sizes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
+    grid_lists: u32, "entries", 1, 64, "room in the lists of the grid's cells, per surfel of capacity";
     grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
 }
 

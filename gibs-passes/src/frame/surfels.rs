@@ -72,9 +72,6 @@ struct Grid {
     entries: Buffer<u32>,
 }
 
-/// List entries that the grid has room for, per surfel. A surfel of the default radius overlaps three to five cells.
-const ENTRIES_PER_SURFEL: u64 = 8;
-
 /// Records the frame. Its outputs are `points`, `rays`, `direct`, `irradiance`, `color`, and `counters`.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     let settings = &frame.settings;
@@ -218,7 +215,10 @@ fn build_grid(
         .counts;
     let (starts, _) = exclusive_scan(g, "persistent/grid_scan", &counts);
     let cursors = g.zeroed("grid_cursors", cells);
-    let entries = g.transient("grid_entries", capacity * ENTRIES_PER_SURFEL);
+    let entries = g.transient(
+        "grid_entries",
+        capacity * u64::from(frame.settings.grid_lists),
+    );
     let inputs = grid_scatter::Inputs {
         grid: &shape,
         poses: &surfels.poses,
