@@ -5,15 +5,15 @@ use crate::renderer::{
 };
 use crate::view::View;
 use gibs_graph::{Backend, Graph};
-use gibs_passes::data::{ReferencePath, SurfacePoint};
+use gibs_passes::data::{Ray, ReferencePath, SurfacePoint};
 use gibs_passes::frame::{
     FrameUpdate, ReferenceUpdate, SceneSizes, Settings, gbuffer_frame, pixel_angle,
     reference_frame, upload_frame, upload_reference, upload_scene,
 };
 use gibs_passes::scene::Scene;
 use gibs_passes::shared::estimator::luminance;
-use gibs_passes::shared::surface;
-use glam::Vec3;
+use gibs_passes::shared::{environment, surface};
+use glam::{Vec3, Vec4};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -41,10 +41,13 @@ pub struct Certainty {
     pub frames: u32,
 }
 
+/// Lights whose direct light at the primary surfaces is exact; where there are more, as many are drawn.
+const MOST_LIGHTS: u32 = 64;
+
 /// Frames between looks at how many pixels are left.
 const LOOK_EVERY: u32 = 16;
 
-/// Renders ground truth: `E` and everything else that a truth has, the standard error of E's luminance as
+/// Renders ground truth: the final image in `R G B`, `E`, `direct` and everything else that a truth has, the standard error of E's luminance as
 /// `standard_error.Y`, and `firefly.A`. `progress` hears of finished frames and of the pixels that are left.
 ///
 /// # Errors
@@ -61,10 +64,18 @@ pub fn reference(
     let sizes = SceneSizes::of(&device);
 
     let mut g = Graph::new("gbuffer");
-    gbuffer_frame(&mut g, options.size, &sizes);
+    let settings = Settings {
+        lights: MOST_LIGHTS,
+        ..Settings::default()
+    };
+    gbuffer_frame(
+        &mut g,
+        options.size,
+        &sizes,
+        settings.lights_per_point(sizes.lights()),
+    );
     let mut exec = backend.prepare(Arc::new(compile(g)?), None)?;
     upload_scene(exec.as_mut(), &device)?;
-    let settings = Settings::default();
     let grid = settings.grid(pixel_angle(&view.camera, options.size));
     let update = FrameUpdate {
         camera: &view.camera,
@@ -76,6 +87,8 @@ pub fn reference(
     upload_frame(exec.as_mut(), &device, &settings, &update)?;
     exec.run()?;
     let points: Vec<SurfacePoint> = read_output(exec.as_mut(), "points")?;
+    let rays: Vec<Ray> = read_output(exec.as_mut(), "rays")?;
+    let direct: Vec<Vec4> = read_output(exec.as_mut(), "direct")?;
 
     let mut g = Graph::new("reference");
     reference_frame(&mut g, options.size, &sizes, &device);
@@ -113,17 +126,30 @@ pub fn reference(
         }
     }
     let paths: Vec<ReferencePath> = read_output(exec.as_mut(), "paths")?;
-    compose(view, &device, options, &points, &paths, frames)
+    let primary = Primary {
+        rays,
+        points,
+        direct,
+    };
+    compose(view, &device, options, &primary, &paths, frames)
+}
+
+/// What the pixels see first.
+struct Primary {
+    rays: Vec<Ray>,
+    points: Vec<SurfacePoint>,
+    direct: Vec<Vec4>,
 }
 
 fn compose(
     view: &View,
     device: &gibs_passes::device::DeviceScene,
     options: &ReferenceOptions,
-    points: &[SurfacePoint],
+    primary: &Primary,
     paths: &[ReferencePath],
     frames: u32,
 ) -> Result<(Picture, Certainty), RenderError> {
+    let points = &primary.points;
     let mean = |p: &ReferencePath| p.sum / p.done.max(1) as f32;
     let mut picture = surface_channels(points, options.size, view, device.origin)?;
     set(&mut picture, "E", paths.iter().map(mean))?;
@@ -135,9 +161,21 @@ fn compose(
     set(&mut picture, "indirect", indirect.iter().copied())?;
     set(
         &mut picture,
-        "",
-        indirect.iter().zip(points).map(|(&i, s)| i + s.emission),
+        "direct",
+        primary.direct.iter().map(|d| d.truncate()),
     )?;
+    let sky = &device.environment;
+    let color = |i: usize| {
+        let point = &points[i];
+        if surface::is_surface(point) {
+            let direct =
+                surface::albedo(point) * std::f32::consts::FRAC_1_PI * primary.direct[i].truncate();
+            point.emission + direct + indirect[i]
+        } else {
+            environment::radiance(&sky.texels, sky.side, primary.rays[i].direction)
+        }
+    };
+    set(&mut picture, "", (0..points.len()).map(color))?;
     let variance = |p: &ReferencePath| {
         let n = f64::from(p.done.max(2));
         let mean = f64::from(luminance(p.sum)) / n;

@@ -6,8 +6,8 @@ use gibs_passes::accel::BuildError;
 use gibs_passes::data::{SurfacePoint, SurfelCounters};
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, SceneSizes, Settings, SurfelFrame, pixel_angle, surfel_frame, upload_frame,
-    upload_scene,
+    FrameUpdate, SceneSizes, SettingError, Settings, SurfelFrame, pixel_angle, surfel_frame,
+    upload_frame, upload_scene,
 };
 use gibs_passes::scene::Scene;
 use gibs_passes::shared::grid::GridLayout;
@@ -28,6 +28,9 @@ pub enum RenderError {
         /// Why not.
         source: BuildError,
     },
+    /// A setting is out of range.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// The frame's graph is wrong.
     #[error(transparent)]
     Graph(#[from] GraphErrors),
@@ -50,7 +53,7 @@ pub enum RenderError {
 }
 
 /// Longest side of a picture, pixels.
-pub const MOST_PIXELS: u32 = 8192;
+pub const MOST_PIXELS: u32 = crate::view::MAX_RESOLUTION;
 
 /// Renders one scene on one backend, frame by frame.
 pub struct Renderer {
@@ -136,6 +139,7 @@ impl Renderer {
         seed: u32,
     ) -> Result<Self, RenderError> {
         check_size(size)?;
+        settings.check()?;
         let scene = device_scene(scene, view)?;
         let schedule = schedule(&scene, view, size, settings)?;
         let grid = settings.grid(pixel_angle(&view.camera, size));
@@ -171,7 +175,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// Looks from elsewhere from the next frame on. Everything that the surfels know stays.
+    /// Looks from elsewhere from the next frame on. Everything that the surfels know stays. The floating origin and the
+    /// number of grid cells stay as well: for a place more than some kilometres away, or a much narrower field of view,
+    /// make a new renderer.
     pub fn set_camera(&mut self, camera: gibs_passes::scene::Camera) {
         self.view.camera = camera;
     }

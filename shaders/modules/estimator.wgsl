@@ -14,7 +14,7 @@ const ESTIMATOR_CLAMP_AFTER: u32 = 64u;
 const ESTIMATOR_PLAIN_MEAN: u32 = 64u;
 /// Weight of a ray after that, over its share in a plain mean.
 const ESTIMATOR_RECENCY: f32 = 2.0;
-/// The ray count saturates here, which bounds the memory of the long mean.
+/// Here the ray count falls back to its upper half, which bounds the memory of the long mean.
 const ESTIMATOR_MOST_SAMPLES: u32 = 131072u;
 
 /// Rec. 709 luminance.
@@ -71,7 +71,7 @@ fn estimator_update(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32,
     let mean = state.mean + (y - state.mean) * max(share, catch_up);
     var samples = state.samples + rays;
     if samples >= ESTIMATOR_MOST_SAMPLES {
-        samples -= ESTIMATOR_MOST_SAMPLES / 2u;
+        samples = ESTIMATOR_MOST_SAMPLES / 2u + samples % (ESTIMATOR_MOST_SAMPLES / 2u);
     }
     return SurfelIrradiance(mean, samples, short_mean, reduction, variance, inconsistency);
 }

@@ -1,6 +1,6 @@
 // Textures in packed storage, filtered alike on every backend: bilinear, no mip maps, sRGB decoded before filtering.
 // Reads the stage's globals `materials` and `texels`; the first 256 words of the latter map an sRGB byte to linear.
-import package::hash::{hash_hash2, hash_hash3, hash_unit};
+import package::hash::{hash_hash3, hash_unit};
 import package::types::{Corners, NONE, Ray};
 
 /// Bits of a material's flags: alpha mode.
@@ -110,6 +110,11 @@ fn texture_emission(index: u32, uv: vec2<f32>) -> vec3<f32> {
     return (*material).emission * sampled.xyz;
 }
 
+/// Emitter sampling covers the material: its light has no texture, and all of its surface is there.
+fn texture_is_sampled_emitter(index: u32) -> bool {
+    return materials[index].emission_texels == NONE && (materials[index].flags & TEXTURE_ALPHA_MODE) == 0u;
+}
+
 /// A surface with coverage stops this ray. Cut-outs compare with the threshold; blended surfaces stop a ray with the
 /// probability of their coverage, by a hash of ray and triangle, and no ray whose `t_min` has its sign bit set.
 fn texture_stops(index: u32, uv: vec2<f32>, ray: Ray, triangle: u32) -> bool {
@@ -121,10 +126,9 @@ fn texture_stops(index: u32, uv: vec2<f32>, ray: Ray, triangle: u32) -> bool {
             if (bitcast<u32>(ray.t_min) >> 31u) != 0u {
                 return false;
             }
-            let key = hash_hash3(
-                bitcast<u32>(ray.origin.x), bitcast<u32>(ray.direction.y), bitcast<u32>(ray.direction.z),
-            );
-            let chance = hash_unit(hash_hash2(key ^ bitcast<u32>(ray.origin.z), triangle));
+            let o = bitcast<vec3<u32>>(ray.origin);
+            let d = bitcast<vec3<u32>>(ray.direction);
+            let chance = hash_unit(hash_hash3(hash_hash3(o.x, o.y, o.z), hash_hash3(d.x, d.y, d.z), triangle));
             return chance < texture_base_color(index, uv).w;
         }
         default: {

@@ -1,6 +1,6 @@
 // The least covered texel of each 16x16 tile, and whether a surfel will be born there. One workgroup per tile.
 import package::coverage::lookup_coverage;
-import package::hash::{hash_hash3, hash_unit};
+import package::hash::{hash_hash2, hash_hash3, hash_unit};
 import package::invocation::invocation_group;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
@@ -47,7 +47,7 @@ fn main(
             let normal = octahedral_unpack(point.shading_normal);
             let coverage = lookup_coverage(point.position, normal);
             let share = min(coverage / settings.coverage, 1.0);
-            let tie = hash_hash3(tile, frame.number ^ frame.seed, lane) & 0xffu;
+            let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), lane) & 0xffu;
             atomicMin(&least, (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
         }
     }

@@ -28,6 +28,10 @@ fn main(
         return;
     }
     let birth = births[i];
+    // A scene that lost the surfel's node leaves the surfel where it is.
+    if birth.transform_id >= arrayLength(&transforms) {
+        return;
+    }
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));

@@ -4,7 +4,7 @@ import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::surface::{SURFACE_EMITTER, SURFACE_OFFSET, surface_miss, surface_pack_albedo};
-import package::texture::{TEXTURE_DOUBLE_SIDED, texture_base_color, texture_emission, texture_uv_at};
+import package::texture::{TEXTURE_DOUBLE_SIDED, texture_base_color, texture_emission, texture_is_sampled_emitter, texture_uv_at};
 import package::types::{Corners, DispatchArgs, Hit, Instance, Material, NONE, Ray, SurfacePoint, Triangle};
 import package::vector::{vector_cross, vector_dot, vector_normalize};
 
@@ -61,7 +61,7 @@ fn resolve(direction: vec3<f32>, hit: Hit) -> SurfacePoint {
     var flags = 0u;
     if front || (materials[material].flags & TEXTURE_DOUBLE_SIDED) != 0u {
         point.emission = texture_emission(material, uv);
-        flags = select(0u, SURFACE_EMITTER, materials[material].emission_texels == NONE);
+        flags = select(0u, SURFACE_EMITTER, texture_is_sampled_emitter(material));
     }
     let albedo = surface_pack_albedo(texture_base_color(material, uv).xyz, flags);
     point.albedo_rg = albedo.x;

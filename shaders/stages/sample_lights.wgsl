@@ -1,6 +1,6 @@
 // Chooses `lights_per_point` lights for each point: all of them where that many suffice, else one at random from each
 // of as many equal strata of the list. One invocation per point and choice.
-import package::hash::{hash_hash3, hash_unit};
+import package::hash::{hash_hash2, hash_hash3, hash_unit};
 import package::invocation::invocation_index;
 import package::octahedral::octahedral_unpack;
 import package::sampling::sampling_start;
@@ -42,7 +42,7 @@ fn unshadowed(light: Light, position: vec3<f32>, n: vec3<f32>) -> Unshadowed {
     var falloff = max(vector_dot(n, to), 0.0) / squared;
     if light.kind == 2u {
         // KHR_lights_punctual: smooth between the cones, squared.
-        let width = max(light.cos_inner - light.cos_outer, 1e-4);
+        let width = max(light.cos_inner - light.cos_outer, 1e-7);
         let share = clamp((-vector_dot(light.direction, to) - light.cos_outer) / width, 0.0, 1.0);
         falloff *= share * share;
     }
@@ -70,7 +70,7 @@ fn main(
         if frame.lights > each {
             let bits = bitcast<vec3<u32>>(point.position);
             let x = hash_hash3(bits.x, bits.y, bits.z);
-            let u = hash_unit(hash_hash3(x, frame.number ^ frame.seed, choice));
+            let u = hash_unit(hash_hash3(x, hash_hash2(frame.number, frame.seed), choice));
             let stratum = (f32(choice) + u) / f32(each) * f32(frame.lights);
             index = min(u32(stratum), frame.lights - 1u);
             weight = f32(frame.lights) / f32(each);

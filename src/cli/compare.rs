@@ -61,7 +61,7 @@ pub enum CompareCommandError {
     /// The picture was compared and is broken.
     #[error(
         "{}: {count} pixels of channel {channel} are NaN or infinite; \
-         find the stage that makes them with `gibs check`", path.display()
+         render it again, and report it with the command line if they come back", path.display()
     )]
     NotFinite {
         /// The picture judged.

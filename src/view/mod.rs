@@ -15,7 +15,7 @@ use std::path::PathBuf;
 pub const DEFAULT_RESOLUTION: [u32; 2] = [1280, 720];
 
 /// Largest width or height that a view may ask for, pixels.
-pub const MAX_RESOLUTION: u32 = 65_535;
+pub const MAX_RESOLUTION: u32 = 8192;
 
 /// How a scene is seen and lit from outside.
 #[derive(Clone, Debug, PartialEq)]

@@ -173,6 +173,12 @@ impl TwoLevel {
         (2 * self.instances.len()).max(4)
     }
 
+    /// Triangles of an instance's bottom level, in leaf order.
+    pub fn triangles_of(&self, instance: u32) -> &[Triangle] {
+        let bottom = &self.bottoms[self.instance_blas[instance as usize] as usize];
+        &self.triangles[bottom.triangles.clone()]
+    }
+
     /// Bottom level of an instance.
     pub(super) fn bottom_of(&self, instance: u32) -> u32 {
         self.instance_blas[instance as usize]

@@ -1,6 +1,6 @@
 //! Emissive triangles for emitter sampling: drawn with probability proportional to area times luminance.
 use crate::accel::TwoLevel;
-use crate::data::{Emitter, Material, NONE};
+use crate::data::{Emitter, Instance, Material};
 use crate::shared::estimator::luminance;
 use crate::shared::texture;
 use crate::stages::resolve_hits::map_point;
@@ -21,28 +21,14 @@ impl EmitterTable {
         let mut power = 0.0f64;
         let shines: Vec<bool> = materials
             .iter()
-            .map(|m| m.emission_texels == NONE && luminance(m.emission) > 0.0)
+            .map(|m| texture::is_sampled_emitter(m) && luminance(m.emission) > 0.0)
             .collect();
         if shines.contains(&true) {
             for (i, instance) in tree.instances.iter().enumerate() {
-                // Triangles of a bottom level lie between its first and the next bottom level's first.
-                let first = instance.first_triangle;
-                let last = tree
-                    .instances
-                    .iter()
-                    .map(|other| other.first_triangle)
-                    .filter(|&other| other > first)
-                    .min()
-                    .unwrap_or(tree.triangles.len() as u32);
-                if tree
-                    .stats
-                    .left_out
-                    .iter()
-                    .any(|(left_out, _)| *left_out == i as u32)
-                {
+                if instance.flags & Instance::LEFT_OUT != 0 {
                     continue;
                 }
-                for triangle in &tree.triangles[first as usize..last as usize] {
+                for triangle in tree.triangles_of(i as u32) {
                     let material = &materials[triangle.material() as usize];
                     if !shines[triangle.material() as usize] {
                         continue;
@@ -57,7 +43,7 @@ impl EmitterTable {
                     }
                     power += area * f64::from(luminance(material.emission));
                     let double_sided = u32::from(material.flags & texture::DOUBLE_SIDED != 0);
-                    let mirrored = instance.flags & crate::data::Instance::MIRRORED;
+                    let mirrored = instance.flags & Instance::MIRRORED;
                     emitters.push(Emitter {
                         v0,
                         cumulative: power as f32,

@@ -30,8 +30,9 @@ pub struct ReferenceUpdate {
     pub seed: u32,
 }
 
-/// Records the frame that finds the primary surface of every pixel. Its output is `points`.
-pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes) {
+/// Records the frame that finds the primary surface of every pixel and its direct light from `per_point` lights. Its
+/// outputs are `rays`, `points` and `direct`.
+pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes, per_point: u32) {
     let scene = SceneInputs::declare(g, sizes);
     let most = u64::from(size[0]) * u64::from(size[1]);
     let batch = Batch {
@@ -39,8 +40,11 @@ pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes) {
         most,
         fixed: true,
     };
-    let (_, points) = gbuffer(g, &scene, &batch);
+    let (rays, points) = gbuffer(g, &scene, &batch);
+    let direct = direct_light(g, "gbuffer", "_direct", &scene, per_point, &batch, &points);
+    g.output("rays", &rays);
     g.output("points", &points);
+    g.output("direct", &direct);
 }
 
 /// Records one segment of every pixel's path. The input `primary` takes the points of [`gbuffer_frame`]; outputs are

@@ -177,8 +177,8 @@ settings! {
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
-    grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice; 0 to fit the surfels";
-    grid_reach: f32, "cube sizes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
+    grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice, at least 4; 0 to fit the surfels";
+    grid_reach: f32, "half cubes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
     grid_lists: u32, "entries", 1, 64, "room in the lists of the grid's cells, per surfel of capacity";
     grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
 }

@@ -72,7 +72,7 @@ struct Grid {
     entries: Buffer<u32>,
 }
 
-/// Records the frame. Its outputs are `points`, `rays`, `direct`, `irradiance`, `color`, and `counters`.
+/// Records the frame. Its outputs are `points`, `direct`, `irradiance`, `color`, `counters` and `overflow`.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     let settings = &frame.settings;
     let scene = SceneInputs::declare(g, sizes);

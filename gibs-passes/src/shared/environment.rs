@@ -1,5 +1,5 @@
 //! The environment as an octahedral map: `rgb` is radiance, W/(m^2 sr); `a` is the density with which emitter
-//! sampling draws the direction, 1/sr.
+//! sampling draws the direction, per area of the square `[-1, 1]^2`.
 use super::octahedral;
 use glam::{Vec2, Vec3, Vec4};
 

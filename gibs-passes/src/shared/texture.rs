@@ -133,6 +133,12 @@ pub fn emission(material: &Material, texels: &[u32], uv: Vec2) -> Vec3 {
     material.emission * Vec3::new(sampled.x, sampled.y, sampled.z)
 }
 
+/// Emitter sampling covers the material: its light has no texture, and all of its surface is there.
+#[inline]
+pub fn is_sampled_emitter(material: &Material) -> bool {
+    material.emission_texels == NONE && material.flags & ALPHA_MODE == 0
+}
+
 /// A surface with coverage stops this ray. Cut-outs compare with the threshold; blended surfaces stop a ray with the
 /// probability of their coverage, by a hash of ray and triangle.
 #[inline]
@@ -143,13 +149,10 @@ pub fn stops(material: &Material, texels: &[u32], uv: Vec2, ray: &Ray, triangle:
             if ray.t_min.is_sign_negative() {
                 return false;
             }
-            let key = hash::hash3(
-                ray.origin.x.to_bits(),
-                ray.direction.y.to_bits(),
-                ray.direction.z.to_bits(),
-            );
-            hash::unit(hash::hash2(key ^ ray.origin.z.to_bits(), triangle))
-                < base_color(material, texels, uv).w
+            let (o, d) = (ray.origin, ray.direction);
+            let start = hash::hash3(o.x.to_bits(), o.y.to_bits(), o.z.to_bits());
+            let way = hash::hash3(d.x.to_bits(), d.y.to_bits(), d.z.to_bits());
+            hash::unit(hash::hash3(start, way, triangle)) < base_color(material, texels, uv).w
         }
         _ => true,
     }

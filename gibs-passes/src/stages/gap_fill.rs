@@ -56,7 +56,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let normal = octahedral::unpack(point.shading_normal);
         let coverage = lookup::coverage(point.position, normal, &surfels, p.grid, p.settings);
         let share = (coverage / p.settings.coverage).min(1.0);
-        let tie = hash::hash3(tile, p.frame.number ^ p.frame.seed, lane) & 0xff;
+        let tie = hash::hash3(tile, hash::hash2(p.frame.number, p.frame.seed), lane) & 0xff;
         least = least.min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);
     }
     let mut candidate = NONE;

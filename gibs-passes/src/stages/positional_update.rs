@@ -34,7 +34,9 @@ pub fn radius_at(
     settings: &SurfelSettings,
 ) -> f32 {
     let wanted = settings.radius_pixels * camera.pixel_angle * (position - camera.eye).length();
-    wanted.min(grid::cell_side(position, shape) * grid::RADIUS_SHARE)
+    let most = grid::cell_side(position, shape) * grid::RADIUS_SHARE;
+    // Never zero, which means a free slot, not even where the eye is.
+    wanted.clamp(1e-4 * most, most)
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
@@ -44,7 +46,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let birth = &p.births[i];
-        let transform = &p.transforms[birth.transform_id as usize];
+        // A scene that lost the surfel's node leaves the surfel where it is.
+        let Some(transform) = p.transforms.get(birth.transform_id as usize) else {
+            continue;
+        };
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();

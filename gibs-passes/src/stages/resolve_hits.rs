@@ -97,7 +97,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         } else {
             Vec3::ZERO
         };
-        let emitter = if shines && material.emission_texels == NONE {
+        let emitter = if shines && texture::is_sampled_emitter(material) {
             surface::EMITTER
         } else {
             0

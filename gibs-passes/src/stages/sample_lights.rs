@@ -43,7 +43,7 @@ pub fn unshadowed(light: &Light, position: Vec3, n: Vec3) -> (Vec3, Vec3, f32) {
     let mut falloff = n.dot(to).max(0.0) / squared;
     if light.kind == 2 {
         // KHR_lights_punctual: smooth between the cones, squared.
-        let width = (light.cos_inner - light.cos_outer).max(1e-4);
+        let width = (light.cos_inner - light.cos_outer).max(1e-7);
         let share = ((-light.direction.dot(to) - light.cos_outer) / width).clamp(0.0, 1.0);
         falloff *= share * share;
     }
@@ -72,7 +72,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                     point.position.y.to_bits(),
                     point.position.z.to_bits(),
                 );
-                let u = hash::unit(hash::hash3(x, frame.number ^ frame.seed, choice));
+                let u = hash::unit(hash::hash3(
+                    x,
+                    hash::hash2(frame.number, frame.seed),
+                    choice,
+                ));
                 let stratum = (choice as f32 + u) / each as f32 * frame.lights as f32;
                 (
                     (stratum as u32).min(frame.lights - 1),

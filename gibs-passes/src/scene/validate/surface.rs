@@ -5,8 +5,19 @@ use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 
 /// Texel arrays match their sizes.
+/// Longest side of a texture: both sides share a word on the device, and texel indices stay within 31 bits.
+const MOST_TEXELS_ACROSS: u32 = 32_768;
+
 pub(super) fn textures(textures: &[Texture]) -> Result<(), SceneDataError> {
     for (i, texture) in textures.iter().enumerate() {
+        if texture.width.max(texture.height) > MOST_TEXELS_ACROSS {
+            return Err(SceneDataError::Value {
+                element: label("texture", i, &texture.name),
+                what: "size".into(),
+                value: format!("{}x{}", texture.width, texture.height),
+                expected: "at most 32768 texels along each side; scale the image down",
+            });
+        }
         let texels = u64::from(texture.width) * u64::from(texture.height);
         if texels == 0 || texels != texture.texels.len() as u64 {
             let expected = format!(
