@@ -114,6 +114,8 @@ pub fn schedule(
     size: [u32; 2],
     settings: &Settings,
 ) -> Result<Schedule, RenderError> {
+    check_size(size)?;
+    settings.check()?;
     let mut g = Graph::new("surfels");
     let grid = settings.grid(pixel_angle(&view.camera, size));
     let frame = SurfelFrame {

@@ -48,7 +48,8 @@ impl Limits {
     /// [`BackendError::Limit`], which names the stage or the resource; [`BackendError::OutOfMemory`] where the
     /// schedule as a whole is larger than the device's memory.
     pub fn check(&self, schedule: &Schedule) -> Result<(), BackendError> {
-        const SMALLER: &str = "use fewer surfels, a smaller size or a smaller scene";
+        const SMALLER: &str =
+            "use fewer surfels or rays, a smaller picture or scene, or the cpu backend";
         for resource in schedule.resources.iter().filter(|r| r.usage.on_device()) {
             let what = || format!("resource `{}` (bytes)", resource.key);
             self.allow(what, resource.bytes, self.buffer, SMALLER)?;

@@ -39,7 +39,7 @@ fn check_resource(
     limits: &wgpu::Limits,
     allow: &Allow<'_>,
 ) -> Result<(), BackendError> {
-    let smaller = "use fewer surfels, a smaller size or the cpu backend";
+    let smaller = "use fewer surfels or rays, a smaller picture or scene, or the cpu backend";
     let what = |unit: &str| format!("{unit} `{}`, in bytes,", resource.key);
     allow(
         resource.bytes,

@@ -156,7 +156,7 @@ pub enum BackendError {
     },
     /// Memory ran out.
     #[error(
-        "out of memory on `{device}` allocating {bytes} bytes for `{resource}`; use fewer surfels, a smaller size or another backend"
+        "out of memory on `{device}` allocating {bytes} bytes for `{resource}`; use fewer surfels or rays, a smaller picture or scene, or another backend"
     )]
     OutOfMemory {
         /// Device.

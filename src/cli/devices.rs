@@ -1,5 +1,6 @@
 //! `gibs devices`: what this machine offers.
 use super::CommandError;
+use super::output::say;
 use crate::backends::{self, BUILT};
 use gibs_graph::DeviceInfo;
 use serde::Serialize;
@@ -55,7 +56,7 @@ fn entry(choice: backends::Choice) -> Entry {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let entries: Vec<Entry> = BUILT.iter().map(|&choice| entry(choice)).collect();
     if args.json {
-        println!(
+        say!(
             "{}",
             serde_json::to_string_pretty(&entries).unwrap_or_default()
         );
@@ -63,21 +64,24 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     for entry in &entries {
         for device in &entry.devices {
-            println!(
+            say!(
                 "{:<7} {} ({}, {})",
-                entry.backend, device.name, device.kind, device.driver
+                entry.backend,
+                device.name,
+                device.kind,
+                device.driver
             );
             for note in &device.notes {
-                println!("        {note}");
+                say!("        {note}");
             }
         }
         if let Some(missing) = &entry.missing {
-            println!("{:<7} not available: {missing}", entry.backend);
+            say!("{:<7} not available: {missing}", entry.backend);
         }
     }
     match backends::open(backends::Choice::Auto) {
-        Ok(best) => println!("auto picks {} on {}", best.name(), best.device().name),
-        Err(error) => println!("auto finds nothing: {error}"),
+        Ok(best) => say!("auto picks {} on {}", best.name(), best.device().name),
+        Err(error) => say!("auto finds nothing: {error}"),
     }
     Ok(())
 }

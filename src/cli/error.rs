@@ -42,7 +42,7 @@ pub enum CommandError {
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// A settings file.
-    #[error("the settings file {} is not valid: {message}", path.display())]
+    #[error("the settings file {} cannot be used: {message}; it is TOML with the keys that `gibs settings` lists", path.display())]
     SettingsFile {
         /// File.
         path: PathBuf,
@@ -66,6 +66,12 @@ pub enum CommandError {
         name: String,
         /// Built-in scenes.
         names: String,
+    },
+    /// Standard output takes no more.
+    #[error("the result could not be printed: {source}; check where standard output goes")]
+    Output {
+        /// What the system said.
+        source: std::io::Error,
     },
     /// Output that is not a number.
     #[error(

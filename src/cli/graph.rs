@@ -1,5 +1,6 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
+use super::output::{print, say};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::renderer::{device_scene, schedule};
 
@@ -22,9 +23,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let scene = device_scene(&loaded.scene, &loaded.view)?;
     let schedule = schedule(&scene, &loaded.view, loaded.size, &settings)?;
     match args.format.as_str() {
-        "dot" => print!("{}", schedule.to_dot()),
-        "json" => println!("{}", schedule.to_json().unwrap_or_default()),
-        _ => print!("{}", schedule.to_text()),
+        "dot" => print(&schedule.to_dot())?,
+        "json" => say!("{}", schedule.to_json().unwrap_or_default()),
+        _ => print(&schedule.to_text())?,
     }
     Ok(())
 }

@@ -3,6 +3,7 @@ pub mod compare;
 mod devices;
 mod error;
 mod graph;
+mod output;
 mod profile;
 mod reference;
 mod render;
@@ -59,7 +60,7 @@ pub fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            output::tell(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }

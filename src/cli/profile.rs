@@ -1,5 +1,6 @@
 //! `gibs profile`: time per stage.
 use super::CommandError;
+use super::output::say;
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::Renderer;
 use crate::backends::{self, Choice};
@@ -74,19 +75,19 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         })
         .collect();
     if args.json {
-        println!(
+        say!(
             "{}",
             serde_json::to_string_pretty(&rows).unwrap_or_default()
         );
         return Ok(());
     }
-    println!(
+    say!(
         "{} on {}: {total:.2} ms a frame in {steps} steps",
         backend.name(),
         backend.device().name
     );
     for row in rows {
-        println!(
+        say!(
             "{:>9.3} ms {:>5.1} %  {}",
             row.median_ms,
             row.share * 100.0,

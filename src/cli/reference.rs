@@ -1,6 +1,6 @@
 //! `gibs reference`: path-traced ground truth.
 use super::CommandError;
-use super::render::{check_finite, default_out, progress, write};
+use super::output::{check_finite, default_out, progress, say, write};
 use super::scene::SceneArgs;
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
@@ -37,7 +37,15 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .out
         .clone()
         .unwrap_or_else(|| default_out(&args.scene.scene));
-    Format::of(&out)?;
+    if Format::of(&out)? != Format::Exr {
+        let want =
+            "ground truth needs all its channels; name a .exr file, a .png comes beside it".into();
+        return Err(CommandError::Value {
+            option: "--out",
+            value: out.display().to_string(),
+            want,
+        });
+    }
     ensure_writable(&out)?;
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
@@ -63,12 +71,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     write(&picture, &out, loaded.view.exposure)?;
     check_finite(&picture)?;
     if args.json {
-        println!(
+        say!(
             "{}",
             serde_json::to_string_pretty(&certainty).unwrap_or_default()
         );
     } else {
-        println!(
+        say!(
             "{} on {} ({}): {} samples per pixel of {}x{} in {:.1} s; standard error {:.2} % per pixel, {:.2} % per \
              8x8 block; {} fireflies; wrote {}",
             args.scene.scene,

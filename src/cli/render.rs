@@ -1,10 +1,10 @@
 //! `gibs render`: direct light and surfel indirect light.
 use super::CommandError;
+use super::output::{check_finite, default_out, progress, say, warning, write};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::Renderer;
 use crate::backends::{self, Choice};
-use crate::picture::{Format, Picture, ensure_writable};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::picture::{Format, ensure_writable};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -48,59 +48,9 @@ struct Summary {
     grid_overflow: u32,
     bytes: u64,
     seconds_to_first_frame: f64,
-    seconds_per_frame: f64,
+    /// Mean over the frames after the first; none where there is only one.
+    seconds_per_frame: Option<f64>,
     out: PathBuf,
-}
-
-/// A bar on a terminal, nothing in a pipe.
-pub(super) fn progress(length: u64, what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(length);
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
-        bar.set_style(style);
-    }
-    bar.set_message(what);
-    bar
-}
-
-/// Writes a picture as its extension says; a PNG goes beside an EXR.
-pub(super) fn write(
-    picture: &Picture,
-    out: &std::path::Path,
-    exposure: f32,
-) -> Result<(), CommandError> {
-    picture.write(out, exposure)?;
-    if Format::of(out)? == Format::Exr {
-        picture.write_preview(&out.with_extension("png"), "", exposure)?;
-    }
-    Ok(())
-}
-
-/// Fails where the picture holds anything that is not a number.
-pub(super) fn check_finite(picture: &Picture) -> Result<(), CommandError> {
-    let bad: std::collections::BTreeSet<usize> = picture
-        .channels
-        .values()
-        .flat_map(|c| {
-            c.iter()
-                .enumerate()
-                .filter(|(_, x)| !x.is_finite())
-                .map(|(i, _)| i)
-        })
-        .collect();
-    if bad.is_empty() {
-        Ok(())
-    } else {
-        Err(CommandError::NonFinite {
-            count: bad.len(),
-            pixels: picture.pixels(),
-        })
-    }
-}
-
-/// Where a picture of a scene goes that nobody named.
-pub(super) fn default_out(scene: &str) -> PathBuf {
-    let stem = std::path::Path::new(scene).file_stem().unwrap_or_default();
-    PathBuf::from(stem).with_extension("exr")
 }
 
 /// Runs the command.
@@ -124,7 +74,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         args.seed,
     )?;
     for warning in renderer.warnings() {
-        eprintln!("warning: {warning}");
+        warning!("{warning}");
     }
     let bar = progress(u64::from(args.frames), "rendering");
     renderer.frame()?;
@@ -156,16 +106,16 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             .schedule()
             .bytes(backend.name() == "cpu"),
         seconds_to_first_frame,
-        seconds_per_frame,
+        seconds_per_frame: (args.frames > 1).then_some(seconds_per_frame),
         out,
     };
     if args.json {
-        println!(
+        say!(
             "{}",
             serde_json::to_string_pretty(&summary).unwrap_or_default()
         );
     } else {
-        println!(
+        say!(
             "{} on {} ({}): {} frames of {}x{}, first after {:.2} s, then {:.1} ms each; {} surfels, {:.0} MB; wrote {}",
             args.scene.scene,
             summary.backend,
@@ -174,20 +124,20 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             summary.size[0],
             summary.size[1],
             summary.seconds_to_first_frame,
-            summary.seconds_per_frame * 1e3,
+            seconds_per_frame * 1e3,
             summary.surfels,
             summary.bytes as f64 / 1e6,
             summary.out.display()
         );
         if counters.starved > 0 {
-            eprintln!(
-                "warning: {} births found no free surfel; raise `surfels`",
+            warning!(
+                "{} births found no free surfel; raise `surfels`",
                 counters.starved
             );
         }
         if counters.overflow > 0 {
-            eprintln!(
-                "warning: {} entries did not fit the grid; raise `grid_lists`",
+            warning!(
+                "{} entries did not fit the grid; raise `grid_lists`",
                 counters.overflow
             );
         }

@@ -1,5 +1,6 @@
 //! Options that several commands share: the scene, the view, the settings.
 use super::CommandError;
+use super::output::warning;
 use crate::view::View;
 use crate::{builtin, gltf_import};
 use gibs_passes::frame::Settings;
@@ -56,7 +57,7 @@ impl SceneArgs {
                 }
                 let imported = gltf_import::load(path)?;
                 for warning in &imported.warnings {
-                    eprintln!("warning: {warning}");
+                    warning!("{warning}");
                 }
                 (imported.scene, None)
             }
@@ -67,7 +68,17 @@ impl SceneArgs {
             (None, None) => View::framing(&scene),
         };
         for warning in &view.warnings {
-            eprintln!("warning: {warning}");
+            warning!("{warning}");
+        }
+        for (clip, _) in view
+            .animation
+            .iter()
+            .filter(|(clip, _)| *clip >= scene.animations.len())
+        {
+            warning!(
+                "the view poses clip {clip}, the scene has {}; it stays as it is",
+                scene.animations.len()
+            );
         }
         let size = self.size.unwrap_or(view.resolution);
         Ok(Loaded { scene, view, size })

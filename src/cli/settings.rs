@@ -1,5 +1,6 @@
 //! `gibs settings`: every setting.
 use super::CommandError;
+use super::output::say;
 use gibs_passes::frame::Settings;
 
 /// List every setting with its unit, default and range
@@ -14,15 +15,19 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let all = Settings::all();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
+        say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
         return Ok(());
     }
     for s in all {
         // Settings are f32; as such they print as they were written.
         let range = format!("{} .. {}", s.least as f32, s.most as f32);
-        println!(
+        say!(
             "{:<14} {:>9} {:<12} {:<18} {}",
-            s.name, s.default as f32, s.unit, range, s.about
+            s.name,
+            s.default as f32,
+            s.unit,
+            range,
+            s.about
         );
     }
     Ok(())

@@ -128,7 +128,7 @@ macro_rules! settings {
                         };
                         let parsed = settings!(@parse $kind value).ok_or_else(wrong)?;
                         let number = settings!(@number $kind parsed);
-                        if !(f64::from($least)..=f64::from($most)).contains(&number) {
+                        if !(f64::from($least as f32)..=f64::from($most as f32)).contains(&number) {
                             return Err(wrong());
                         }
                         self.$name = parsed;
@@ -145,7 +145,7 @@ macro_rules! settings {
             pub fn check(&self) -> Result<(), SettingError> {
                 $(
                     let number = settings!(@number $kind self.$name);
-                    if !(f64::from($least)..=f64::from($most)).contains(&number) {
+                    if !(f64::from($least as f32)..=f64::from($most as f32)).contains(&number) {
                         return Err(SettingError::Value {
                             name: stringify!($name).into(),
                             value: self.$name.to_string(),
