@@ -1,16 +1,26 @@
 //! Memory of resources: aligned to cache lines, zeroed.
 use gibs_graph::{BackendError, Initial, Kind, Resource};
+use std::alloc::Layout;
+use std::ptr::NonNull;
 
-/// A cache line, the strictest alignment that elements have.
-#[repr(C, align(64))]
-#[derive(Clone, Copy)]
-struct Block([u8; 64]);
+/// Alignment of small allocations: a cache line, the strictest that elements have.
+const LINE: usize = 64;
+
+/// Allocations from this size on ask for pages of this size: random access to large scenes is bound by the translation
+/// of addresses otherwise.
+const HUGE: usize = 2 << 20;
 
 /// One allocation of a resource.
 pub(crate) struct Memory {
-    blocks: Vec<Block>,
+    start: NonNull<u8>,
+    layout: Layout,
     bytes: usize,
 }
+
+// SAFETY: a Memory owns its bytes as a Vec does.
+unsafe impl Send for Memory {}
+// SAFETY: as above; writing needs `&mut`.
+unsafe impl Sync for Memory {}
 
 impl Memory {
     fn zeroed(resource: &Resource) -> Result<Self, BackendError> {
@@ -20,24 +30,53 @@ impl Memory {
             bytes: resource.bytes,
         };
         let bytes = usize::try_from(resource.bytes).map_err(|_| oom())?;
-        let mut blocks = Vec::new();
-        blocks
-            .try_reserve_exact(bytes.div_ceil(64))
-            .map_err(|_| oom())?;
-        blocks.resize(bytes.div_ceil(64), Block([0; 64]));
-        Ok(Self { blocks, bytes })
+        let align = if bytes < HUGE { LINE } else { HUGE };
+        let size = bytes
+            .max(1)
+            .checked_next_multiple_of(LINE)
+            .ok_or_else(oom)?;
+        let layout = Layout::from_size_align(size, align).map_err(|_| oom())?;
+        // SAFETY: the size is not zero.
+        let start = NonNull::new(unsafe { std::alloc::alloc(layout) }).ok_or_else(oom)?;
+        if align == HUGE {
+            advise_huge_pages(start, size);
+        }
+        // SAFETY: the allocation has `size` bytes.
+        unsafe { start.write_bytes(0, size) };
+        Ok(Self {
+            start,
+            layout,
+            bytes,
+        })
     }
 
     pub fn bytes(&self) -> &[u8] {
-        // SAFETY: the blocks are plain initialized bytes, at least `bytes` of them.
-        unsafe { std::slice::from_raw_parts(self.blocks.as_ptr().cast(), self.bytes) }
+        // SAFETY: the allocation is initialized and at least `bytes` long.
+        unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.bytes) }
     }
 
     pub fn bytes_mut(&mut self) -> &mut [u8] {
-        // SAFETY: as in `bytes`; any byte pattern is a valid block.
-        unsafe { std::slice::from_raw_parts_mut(self.blocks.as_mut_ptr().cast(), self.bytes) }
+        // SAFETY: as in `bytes`; `&mut self` makes it the only reference.
+        unsafe { std::slice::from_raw_parts_mut(self.start.as_ptr(), self.bytes) }
     }
 }
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        // SAFETY: allocated with this layout, freed once.
+        unsafe { std::alloc::dealloc(self.start.as_ptr(), self.layout) };
+    }
+}
+
+/// Asks the system for large pages, which it may refuse: nothing depends on it but speed.
+#[cfg(target_os = "linux")]
+fn advise_huge_pages(start: NonNull<u8>, size: usize) {
+    // SAFETY: the range is one live allocation; the advice changes no contents.
+    unsafe { libc::madvise(start.as_ptr().cast(), size, libc::MADV_HUGEPAGE) };
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise_huge_pages(_: NonNull<u8>, _: usize) {}
 
 /// The allocations of one resource: two for a history, one otherwise.
 pub(crate) struct Allocation {

@@ -5,4 +5,5 @@ pub mod device;
 pub mod frame;
 pub mod scene;
 pub mod shared;
+pub mod simd;
 pub mod stages;

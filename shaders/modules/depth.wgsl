@@ -1,5 +1,5 @@
 // What a surfel's depth function lets through. Reads the stage's global `depths`.
-import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_chebyshev, lookup_moments};
+import package::lookup::{LOOKUP_DEPTH_SIDE, LOOKUP_MOMENT_SCALE, lookup_chebyshev, lookup_steps};
 import package::octahedral::octahedral_hemisphere_encode;
 import package::sampling::sampling_to_local;
 import package::types::SurfelPose;
@@ -9,7 +9,7 @@ fn depth_texel(surfel: u32, x: f32, y: f32) -> vec2<f32> {
     let last = f32(LOOKUP_DEPTH_SIDE) - 1.0;
     let column = u32(clamp(x, 0.0, last));
     let row = u32(clamp(y, 0.0, last));
-    return lookup_moments(depths[surfel].texels[row * LOOKUP_DEPTH_SIDE + column]);
+    return lookup_steps(depths[surfel].texels[row * LOOKUP_DEPTH_SIDE + column]);
 }
 
 /// Moments of a surfel's depth function in a direction of its frame, bilinear.
@@ -20,7 +20,7 @@ fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
     let top = depth_texel(surfel, low.x, low.y) * (1.0 - f.x) + depth_texel(surfel, low.x + 1.0, low.y) * f.x;
     let bottom =
         depth_texel(surfel, low.x, low.y + 1.0) * (1.0 - f.x) + depth_texel(surfel, low.x + 1.0, low.y + 1.0) * f.x;
-    return top * (1.0 - f.y) + bottom * f.y;
+    return (top * (1.0 - f.y) + bottom * f.y) * LOOKUP_MOMENT_SCALE;
 }
 
 /// Share of a surfel's light that reaches a point at `d` from it, by its depth function.

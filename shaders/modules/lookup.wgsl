@@ -20,9 +20,17 @@ const LOOKUP_LEAST_VARIANCE: f32 = 1e-4;
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
 const LOOKUP_CHEBYSHEV_FLOOR: f32 = 0.25;
 
+/// One step of a moment.
+const LOOKUP_MOMENT_SCALE: f32 = 1.0 / 65535.0;
+
+/// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
+fn lookup_steps(texel: u32) -> vec2<f32> {
+    return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u));
+}
+
 /// The first and second moment in a texel.
 fn lookup_moments(texel: u32) -> vec2<f32> {
-    return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u)) / 65535.0;
+    return lookup_steps(texel) * LOOKUP_MOMENT_SCALE;
 }
 
 /// Moments in a texel, each in `[0, 1]`.

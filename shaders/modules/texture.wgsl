@@ -21,15 +21,19 @@ struct TextureView {
     wrapping: u32,
 }
 
+/// The texel that stands for texel `i` of an axis, for `i` from `-size` to `2 * size`, where a sample stays.
 fn texture_wrap(i: i32, size: i32, mode: u32) -> i32 {
     switch mode & 3u {
         case 0u: {
-            return ((i % size) + size) % size;
+            let j = select(i, i + size, i < 0);
+            let k = select(j, j - size, j >= size);
+            return select(k, k - size, k >= size);
         }
         case 1u: {
             let period = 2 * size;
-            let j = ((i % period) + period) % period;
-            return select(period - 1 - j, j, j < size);
+            let j = select(i, i + period, i < 0);
+            let k = select(j, j - period, j >= period);
+            return select(period - 1 - k, k, k < size);
         }
         default: {
             return clamp(i, 0, size - 1);

@@ -4,12 +4,6 @@
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use x86::Avx2;
-
-#[cfg(not(target_arch = "x86_64"))]
-pub(super) use other::Avx2;
-
-#[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::*;
 
@@ -17,10 +11,7 @@ mod x86 {
     use super::super::types::{Hit, Ray, WideNode, WidePacket, WideView};
     use super::super::walk::{self, Stack};
     use super::super::wide::Kernel;
-
-    /// Proof that the processor has AVX2, FMA and the bit instructions that came with them: only [`Avx2::detect`] makes one.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Avx2(());
+    use crate::simd::Avx2;
 
     type Lanes3 = [__m256; 3];
 
@@ -57,18 +48,8 @@ mod x86 {
     }
 
     impl Avx2 {
-        /// The proof, if the processor has what it takes.
-        pub fn detect() -> Option<Self> {
-            let all = is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("fma")
-                && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2")
-                && is_x86_feature_detected!("lzcnt");
-            all.then_some(Avx2(()))
-        }
-
         #[inline]
-        pub fn closest<F: Fn(u32, u32, f32, f32) -> bool>(
+        pub(in super::super) fn closest<F: Fn(u32, u32, f32, f32) -> bool>(
             self,
             view: &WideView,
             ray: &Ray,
@@ -80,7 +61,7 @@ mod x86 {
         }
 
         #[inline]
-        pub fn any<F: Fn(u32, u32, f32, f32) -> bool>(
+        pub(in super::super) fn any<F: Fn(u32, u32, f32, f32) -> bool>(
             self,
             view: &WideView,
             ray: &Ray,
@@ -288,21 +269,20 @@ mod x86 {
 mod other {
     use super::super::types::{Hit, Ray, WideView};
     use super::super::walk::Stack;
-
-    /// A type without values: this processor has no AVX2.
-    #[derive(Clone, Copy, Debug)]
-    pub enum Avx2 {}
+    use crate::simd::Avx2;
 
     impl Avx2 {
-        pub fn detect() -> Option<Self> {
-            None
-        }
-
-        pub fn closest<F>(self, _: &WideView, _: &Ray, _: &mut Stack, _: &F) -> Hit {
+        pub(in super::super) fn closest<F>(
+            self,
+            _: &WideView,
+            _: &Ray,
+            _: &mut Stack,
+            _: &F,
+        ) -> Hit {
             match self {}
         }
 
-        pub fn any<F>(self, _: &WideView, _: &Ray, _: &mut Stack, _: &F) -> bool {
+        pub(in super::super) fn any<F>(self, _: &WideView, _: &Ray, _: &mut Stack, _: &F) -> bool {
             match self {}
         }
     }

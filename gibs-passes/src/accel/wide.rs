@@ -2,11 +2,11 @@
 //!
 //! SIMD only selects candidates, by tests that accept whatever [`super::intersect`] accepts; the shared scalar formula
 //! decides and gives the reported numbers. Results therefore equal those of [`super::scalar`] to the bit.
-use super::avx2::Avx2;
 use super::intersect::BoxRay;
 use super::portable::Portable;
 use super::types::{Hit, Ray, WideNode, WidePacket, WideView};
 use super::walk::{Stack, any, closest};
+use crate::simd::Avx2;
 
 /// One way to test eight boxes or triangles. Implementations differ in speed, never in results.
 pub(super) trait Kernel: Copy {

@@ -42,10 +42,19 @@ pub const LEAST_VARIANCE: f32 = 1e-4;
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
 pub const CHEBYSHEV_FLOOR: f32 = 0.25;
 
+/// One step of a moment.
+pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
+
+/// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
+#[inline]
+fn steps(texel: u32) -> Vec2 {
+    Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32)
+}
+
 /// The first and second moment in a texel.
 #[inline]
 pub fn moments(texel: u32) -> Vec2 {
-    Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32) / 65_535.0
+    steps(texel) * MOMENT_SCALE
 }
 
 /// Moments in a texel, each in `[0, 1]`.
@@ -64,11 +73,11 @@ pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
     let at = |dx: f32, dy: f32| {
         let x = (low.x + dx).clamp(0.0, side - 1.0) as usize;
         let y = (low.y + dy).clamp(0.0, side - 1.0) as usize;
-        moments(depth.texels[y * DEPTH_SIDE as usize + x])
+        steps(depth.texels[y * DEPTH_SIDE as usize + x])
     };
     let top = at(0.0, 0.0) * (1.0 - f.x) + at(1.0, 0.0) * f.x;
     let bottom = at(0.0, 1.0) * (1.0 - f.x) + at(1.0, 1.0) * f.x;
-    top * (1.0 - f.y) + bottom * f.y
+    (top * (1.0 - f.y) + bottom * f.y) * MOMENT_SCALE
 }
 
 /// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
@@ -129,24 +138,42 @@ pub struct Surfels<'a> {
     pub poses: &'a [SurfelPose],
     /// Their depth functions.
     pub depths: &'a [SurfelDepth],
+    /// The grid of the cells.
+    pub grid: &'a GridShape,
+    /// Settings of the lookup.
+    pub settings: &'a SurfelSettings,
+}
+
+/// What surfels have gathered.
+#[derive(Clone, Copy)]
+pub struct Light<'a> {
+    /// Their irradiance.
+    pub irradiance: &'a [SurfelIrradiance],
+    /// When they were born.
+    pub births: &'a [SurfelBirth],
+    /// The frame that it is now.
+    pub frame: u32,
+}
+
+impl<'a> Surfels<'a> {
+    /// The surfels that a lookup at a point visits.
+    #[inline]
+    pub fn around(&self, point: Vec3) -> &'a [u32] {
+        let cell = self.cells[grid::cell(point, self.grid) as usize];
+        &self.entries[cell.x as usize..(cell.x + cell.y.min(self.settings.lookup)) as usize]
+    }
 }
 
 /// Summed weight of the surfels at a point: the same weights as [`gather`].
-pub fn coverage(
-    point: Vec3,
-    normal: Vec3,
-    s: &Surfels<'_>,
-    grid: &GridShape,
-    settings: &SurfelSettings,
-) -> f32 {
-    let cell = s.cells[grid::cell(point, grid) as usize];
+#[inline]
+pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
     let mut sum = 0.0;
-    for i in 0..cell.y.min(settings.lookup) {
-        let id = s.entries[(cell.x + i) as usize] as usize;
+    for &id in s.around(point) {
+        let id = id as usize;
         let pose = &s.poses[id];
         let d = point - pose.position;
         let mut weight = falloff(d, pose) * alignment(normal, pose);
-        if weight > 0.0 && settings.use_depth != 0 {
+        if weight > 0.0 && s.settings.use_depth != 0 {
             weight *= visibility(&s.depths[id], pose, d);
         }
         sum += weight;
@@ -156,21 +183,12 @@ pub fn coverage(
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
 /// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
-#[allow(clippy::too_many_arguments, reason = "the ports of the stage")]
-pub fn gather(
-    point: Vec3,
-    normal: Vec3,
-    s: &Surfels<'_>,
-    irradiance: &[SurfelIrradiance],
-    births: &[SurfelBirth],
-    frame: u32,
-    grid: &GridShape,
-    settings: &SurfelSettings,
-) -> Gathered {
-    let cell = s.cells[grid::cell(point, grid) as usize];
-    let entries = &s.entries[cell.x as usize..(cell.x + cell.y.min(settings.lookup)) as usize];
+#[inline]
+pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
+    let entries = s.around(point);
+    let irradiance = light.irradiance;
     let share = |id: usize, d: Vec3| {
-        if settings.use_depth != 0 {
+        if s.settings.use_depth != 0 {
             visibility(&s.depths[id], &s.poses[id], d)
         } else {
             1.0
@@ -188,7 +206,7 @@ pub fn gather(
         weight *= share(id, d);
         g.irradiance += irradiance[id].mean * weight;
         g.weight += weight;
-        g.confidence += weight * trust(frame.wrapping_sub(births[id].frame));
+        g.confidence += weight * trust(light.frame.wrapping_sub(light.births[id].frame));
     }
     if g.weight > 0.0 {
         g.confidence /= g.weight;

@@ -1,6 +1,7 @@
 //! Textures in packed storage, filtered alike on every backend: bilinear, no mip maps, sRGB decoded before filtering.
 use super::hash;
 use crate::data::{Material, NONE, Ray};
+use crate::simd;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Words at the start of the texel buffer that map an sRGB byte to linear, as bits of `f32`.
@@ -31,23 +32,30 @@ pub fn srgb_table() -> [u32; LUT] {
     })
 }
 
-#[inline]
+/// The texel that stands for texel `i` of an axis, for `i` from `-size` to `2 * size`, where [`sample`] stays. No
+/// division: four of them would cost more than the rest of a sample.
+#[inline(always)]
 fn wrap(i: i32, size: i32, mode: u32) -> i32 {
     match mode & 3 {
-        0 => ((i % size) + size) % size,
+        0 => {
+            let j = if i < 0 { i + size } else { i };
+            let k = if j >= size { j - size } else { j };
+            if k >= size { k - size } else { k }
+        }
         1 => {
             let period = 2 * size;
-            let j = ((i % period) + period) % period;
-            if j < size { j } else { period - 1 - j }
+            let j = if i < 0 { i + period } else { i };
+            let k = if j >= period { j - period } else { j };
+            if k < size { k } else { period - 1 - k }
         }
         _ => i.clamp(0, size - 1),
     }
 }
 
-#[inline]
-fn texel(texels: &[u32], first: u32, size: (i32, i32), x: i32, y: i32, sampler: u32) -> Vec4 {
-    let (x, y) = (wrap(x, size.0, sampler), wrap(y, size.1, sampler >> 2));
-    let word = texels[(first as i32 + y * size.0 + x) as usize];
+/// Linear colour and alpha of a texel.
+#[inline(always)]
+fn texel(texels: &[u32], index: usize) -> Vec4 {
+    let word = texels[index];
     let linear = |byte: u32| f32::from_bits(texels[(byte & 0xff) as usize]);
     Vec4::new(
         linear(word),
@@ -57,11 +65,10 @@ fn texel(texels: &[u32], first: u32, size: (i32, i32), x: i32, y: i32, sampler: 
     )
 }
 
-/// Linear colour and alpha at texture coordinates `uv`, texel centres at half-integers.
-#[inline]
-pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Vec2) -> Vec4 {
-    let size = ((packed_size & 0xffff) as i32, (packed_size >> 16) as i32);
-    // Far coordinates are folded first, so that the integer conversion is exact.
+/// Texture coordinates in texels of a picture of a size. Far coordinates are folded first, so that the conversion to an
+/// integer is exact.
+#[inline(always)]
+fn scaled(uv: Vec2, size: (i32, i32), sampler: u32) -> (f32, f32) {
     let fold = |x: f32, mode: u32| {
         if mode & 3 == 2 {
             x.clamp(-1.0, 2.0)
@@ -69,22 +76,33 @@ pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Ve
             x - (x * 0.5).floor() * 2.0
         }
     };
-    let x = fold(uv.x, sampler) * size.0 as f32;
-    let y = fold(uv.y, sampler >> 2) * size.1 as f32;
+    (
+        fold(uv.x, sampler) * size.0 as f32,
+        fold(uv.y, sampler >> 2) * size.1 as f32,
+    )
+}
+
+#[inline(always)]
+fn unpacked(size: u32) -> (i32, i32) {
+    ((size & 0xffff) as i32, (size >> 16) as i32)
+}
+
+/// Linear colour and alpha at texture coordinates `uv`, texel centres at half-integers.
+#[inline(always)]
+pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Vec2) -> Vec4 {
+    let size = unpacked(packed_size);
+    let (x, y) = scaled(uv, size, sampler);
+    let column = |i: f32| wrap(i as i32, size.0, sampler);
+    let row = |i: f32| first as i32 + wrap(i as i32, size.1, sampler >> 2) * size.0;
     if sampler & NEAREST != 0 {
-        return texel(
-            texels,
-            first,
-            size,
-            x.floor() as i32,
-            y.floor() as i32,
-            sampler,
-        );
+        return texel(texels, (row(y.floor()) + column(x.floor())) as usize);
     }
     let (x, y) = (x - 0.5, y - 0.5);
     let (x0, y0) = (x.floor(), y.floor());
     let (fx, fy) = (x - x0, y - y0);
-    let at = |dx: i32, dy: i32| texel(texels, first, size, x0 as i32 + dx, y0 as i32 + dy, sampler);
+    let columns = [column(x0), column(x0 + 1.0)];
+    let rows = [row(y0), row(y0 + 1.0)];
+    let at = |i: usize, j: usize| texel(texels, (rows[j] + columns[i]) as usize);
     let top = at(0, 0) * (1.0 - fx) + at(1, 0) * fx;
     let bottom = at(0, 1) * (1.0 - fx) + at(1, 1) * fx;
     top * (1.0 - fy) + bottom * fy
@@ -95,8 +113,25 @@ fn mapped(row: Vec3, uv: Vec2) -> f32 {
     row.x * uv.x + (row.y * uv.y + row.z)
 }
 
+/// Asks for the texels of a material's base colour: with two rows of them, most of what a sample waits for.
+#[inline(always)]
+pub fn prefetch_base_color(material: &Material, texels: &[u32], uv: Vec2) {
+    if material.base_texels == NONE {
+        return;
+    }
+    let uv = Vec2::new(mapped(material.base_u, uv), mapped(material.base_v, uv));
+    let size = unpacked(material.base_size);
+    let (x, y) = scaled(uv, size, material.base_sampler);
+    let column = wrap((x - 0.5).floor() as i32, size.0, material.base_sampler);
+    for y in [y - 0.5, y + 0.5] {
+        let row = wrap(y.floor() as i32, size.1, material.base_sampler >> 2);
+        let index = material.base_texels as i32 + row * size.0 + column;
+        simd::prefetch(texels, index as usize);
+    }
+}
+
 /// Albedo and coverage of a material.
-#[inline]
+#[inline(always)]
 pub fn base_color(material: &Material, texels: &[u32], uv: Vec2) -> Vec4 {
     let factor = material.base_color.extend(material.alpha);
     if material.base_texels == NONE {
@@ -114,7 +149,7 @@ pub fn base_color(material: &Material, texels: &[u32], uv: Vec2) -> Vec4 {
 }
 
 /// Emitted radiance of a material, W/(m^2 sr).
-#[inline]
+#[inline(always)]
 pub fn emission(material: &Material, texels: &[u32], uv: Vec2) -> Vec3 {
     if material.emission_texels == NONE {
         return material.emission;

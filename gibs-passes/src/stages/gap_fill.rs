@@ -3,8 +3,9 @@ use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
 use crate::shared::{hash, lookup, octahedral, surface};
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
@@ -27,7 +28,7 @@ stage! {
             write flags: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
@@ -35,11 +36,29 @@ stage! {
 pub const TILE: u32 = 16;
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    fill(p, group, lookup::coverage);
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let wide = simd::Lookup::new();
+    fill(p, group, |point, normal, surfels| {
+        wide.coverage(point, normal, surfels)
+    });
+}
+
+#[inline(always)]
+fn fill(
+    p: &Views<'_>,
+    group: Workgroup,
+    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>) -> f32,
+) {
     let surfels = lookup::Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
         depths: p.depths.slice(),
+        grid: p.grid,
+        settings: p.settings,
     };
     let tile = group.linear();
     let mut least = NONE;
@@ -54,7 +73,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let normal = octahedral::unpack(point.shading_normal);
-        let coverage = lookup::coverage(point.position, normal, &surfels, p.grid, p.settings);
+        let coverage = coverage(point.position, normal, &surfels);
         let share = (coverage / p.settings.coverage).min(1.0);
         let tie = hash::hash3(tile, hash::hash2(p.frame.number, p.frame.seed), lane) & 0xff;
         least = least.min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);

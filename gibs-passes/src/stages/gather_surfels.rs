@@ -4,8 +4,9 @@ use crate::data::{
     SurfelPose, SurfelSettings,
 };
 use crate::shared::{lookup, octahedral, surface};
+use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// Finds each point's cell, takes its first N surfels and weights their irradiance by distance, normal and depth
@@ -28,31 +29,45 @@ stage! {
             write gathered: Gathered,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    gather(p, group, lookup::gather);
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let wide = simd::Lookup::new();
+    gather(p, group, |point, normal, surfels, light| {
+        wide.gather(point, normal, surfels, light)
+    });
+}
+
+#[inline(always)]
+fn gather(
+    p: &Views<'_>,
+    group: Workgroup,
+    gather: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, &lookup::Light<'_>) -> Gathered,
+) {
     let surfels = lookup::Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
         depths: p.depths.slice(),
+        grid: p.grid,
+        settings: p.settings,
+    };
+    let light = lookup::Light {
+        irradiance: p.irradiance.slice(),
+        births: p.births.slice(),
+        frame: p.frame.number,
     };
     for i in group.range(p.batch.count) {
         let point = &p.points[i];
         let gathered = if surface::is_surface(point) {
             let normal = octahedral::unpack(point.shading_normal);
-            lookup::gather(
-                point.position,
-                normal,
-                &surfels,
-                &p.irradiance,
-                &p.births,
-                p.frame.number,
-                p.grid,
-                p.settings,
-            )
+            gather(point.position, normal, &surfels, &light)
         } else {
             Gathered::default()
         };

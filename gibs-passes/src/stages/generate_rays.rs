@@ -1,6 +1,7 @@
 //! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1).
 use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::{hash, sampling};
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -21,10 +22,18 @@ stage! {
             write paths: Path,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let (first, last) = (p.offsets[i], p.offsets[i + 1]);

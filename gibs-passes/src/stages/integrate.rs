@@ -2,6 +2,7 @@
 use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::lookup::{DEPTH_SIDE, moments, pack_moments};
 use crate::shared::{estimator, octahedral, sampling};
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::PI;
@@ -24,7 +25,7 @@ stage! {
             read_write depths: SurfelDepth,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
@@ -38,6 +39,14 @@ pub fn depth_blend(samples: u32, least: f32) -> f32 {
     least.max(DEPTH_SETTLES / (DEPTH_SETTLES + samples as f32))
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);

@@ -2,6 +2,7 @@
 use super::trace_closest::uv_at;
 use crate::data::{Corners, Hit, Instance, Material, NONE, Ray, SurfacePoint, Triangle};
 use crate::shared::{octahedral, surface, texture};
+use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::{Vec3, Vec4};
 
@@ -23,7 +24,7 @@ stage! {
             write points: SurfacePoint,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
@@ -55,6 +56,36 @@ fn magnitude(rows: &[Vec4; 3], reach: Vec3) -> f32 {
     row(rows[0]).max(row(rows[1])).max(row(rows[2]))
 }
 
+/// What a hit needs lies anywhere in memory, each part known by the one before: it is asked for a whole workgroup at a
+/// time, part by part.
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || {
+            let hits = || {
+                let all = group.range(p.batch.count).map(|i| &p.hits[i]);
+                all.filter(|hit| hit.instance != NONE)
+            };
+            for hit in hits() {
+                simd::prefetch(&p.triangles, hit.triangle as usize);
+            }
+            for hit in hits() {
+                let triangle = &p.triangles[hit.triangle as usize];
+                simd::prefetch(&p.corners, triangle.primitive as usize);
+            }
+            for hit in hits() {
+                let triangle = &p.triangles[hit.triangle as usize];
+                let corners = &p.corners[triangle.primitive as usize];
+                let material = &p.materials[triangle.material() as usize];
+                let uv = uv_at(corners, hit.u, hit.v);
+                texture::prefetch_base_color(material, &p.texels, uv);
+            }
+            kernel(p, group);
+        },
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
         let hit = p.hits[i];
@@ -78,7 +109,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let side = if front { 1.0 } else { -1.0 };
         let mut smooth = face;
         if corners.smooth != 0 {
-            let [a, b, c] = corners.normals.map(octahedral::unpack);
+            let normal = |corner: usize| octahedral::unpack(corners.normals[corner]);
+            let (a, b, c) = (normal(0), normal(1), normal(2));
             let mixed = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
             let mapped = map_transposed(&instance.world_to_object, mixed);
             if mapped.dot(mapped) > 0.0 {

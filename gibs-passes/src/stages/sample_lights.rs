@@ -1,6 +1,7 @@
 //! `*/sample_lights`: lights for each point, and the shadow rays towards them (L1).
 use crate::data::{Frame, Light, LightSample, Ray, SurfacePoint};
 use crate::shared::{hash, octahedral, sampling, surface};
+use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::Vec3;
 
@@ -19,7 +20,7 @@ stage! {
             write samples: LightSample,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
@@ -50,6 +51,14 @@ pub fn unshadowed(light: &Light, position: Vec3, n: Vec3) -> (Vec3, Vec3, f32) {
     (light.intensity * falloff, to, distance)
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let frame = p.frame;
     let each = frame.lights_per_point.max(1);

@@ -1,0 +1,25 @@
+//! The lookup of surfels around a point where there is no wide one.
+use crate::data::Gathered;
+use crate::shared::lookup::{self, Light, Surfels};
+use glam::Vec3;
+
+/// The lookup with the best instructions of this processor.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lookup;
+
+impl Lookup {
+    /// The scalar lookup.
+    pub fn new() -> Self {
+        Lookup
+    }
+
+    /// Same as [`lookup::coverage`].
+    pub fn coverage(self, point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
+        lookup::coverage(point, normal, s)
+    }
+
+    /// Same as [`lookup::gather`].
+    pub fn gather(self, point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
+        lookup::gather(point, normal, s, light)
+    }
+}

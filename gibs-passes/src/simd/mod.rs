@@ -1,0 +1,49 @@
+//! CPU kernels for processors with wider registers than the compiler may assume. Each is the twin of a scalar function
+//! and gives its results to the bit; which one runs is decided when the program runs.
+#[cfg(target_arch = "x86_64")]
+mod lookup;
+#[cfg(not(target_arch = "x86_64"))]
+mod lookup_scalar;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+#[cfg(not(target_arch = "x86_64"))]
+pub use lookup_scalar::Lookup;
+#[cfg(target_arch = "x86_64")]
+pub use {
+    lookup::Lookup,
+    x86::{Avx2, prefetch},
+};
+
+/// No processor of this architecture has AVX2: a type without values.
+#[cfg(not(target_arch = "x86_64"))]
+#[derive(Clone, Copy, Debug)]
+pub enum Avx2 {}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Avx2 {
+    /// Nothing: there is no AVX2 here.
+    pub fn detect() -> Option<Self> {
+        None
+    }
+
+    /// Never called.
+    pub fn run<R>(self, _: impl FnOnce() -> R) -> R {
+        match self {}
+    }
+}
+
+/// Asks for the memory of an element that will be needed soon: not on this architecture.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+pub fn prefetch<T>(_: &[T], _: usize) {}
+
+/// Runs `f` with whatever instructions the processor has. What `f` calls must be `#[inline]` to gain by it: rounding to
+/// integers, for one, is a call without SSE 4.1.
+#[inline]
+pub fn run<R>(f: impl FnOnce() -> R) -> R {
+    match Avx2::detect() {
+        Some(avx2) => avx2.run(f),
+        None => f(),
+    }
+}

@@ -1,0 +1,48 @@
+//! Proof of AVX2, and plain code compiled for it.
+#![allow(unsafe_code)]
+
+/// Proof that the processor has AVX2, FMA and the bit instructions that came with them: only [`Avx2::detect`] makes one.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2(());
+
+impl Avx2 {
+    /// The proof, if the processor has what it takes.
+    #[inline]
+    pub fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt");
+        all.then_some(Avx2(()))
+    }
+
+    /// Runs `f`, compiled for such processors as far as it is inlined. The compiler never fuses `a * b + c` on its own,
+    /// so that results stay what they are elsewhere.
+    #[inline]
+    pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
+        // SAFETY: `self` proves that the processor has the features.
+        unsafe { compiled(f) }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn compiled<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+/// Asks for the memory of an element that will be needed soon; nothing happens where there is none.
+#[inline(always)]
+pub fn prefetch<T>(slice: &[T], index: usize) {
+    if let Some(soon) = slice.get(index) {
+        let start = std::ptr::from_ref(soon).cast::<i8>();
+        for line in (0..size_of::<T>()).step_by(64) {
+            // SAFETY: a prefetch reads nothing; the address lies within the referenced value.
+            unsafe {
+                std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(
+                    start.add(line),
+                )
+            };
+        }
+    }
+}
