@@ -10,10 +10,12 @@ const LINE: usize = 64;
 /// of addresses otherwise.
 const HUGE: usize = 2 << 20;
 
-/// One allocation of a resource.
+/// One allocation of a resource. Large ones take no memory before it is written to.
 pub(crate) struct Memory {
-    start: NonNull<u8>,
+    /// What was allocated; `start` is the first aligned byte in it.
+    allocated: NonNull<u8>,
     layout: Layout,
+    start: NonNull<u8>,
     bytes: usize,
 }
 
@@ -31,27 +33,29 @@ impl Memory {
         };
         let bytes = usize::try_from(resource.bytes).map_err(|_| oom())?;
         let align = if bytes < HUGE { LINE } else { HUGE };
-        let size = bytes
-            .max(1)
-            .checked_next_multiple_of(LINE)
-            .ok_or_else(oom)?;
-        let layout = Layout::from_size_align(size, align).map_err(|_| oom())?;
+        // Without an alignment of its own, a large zeroed allocation is fresh pages of the system, which are zero.
+        let size = bytes.checked_add(align).ok_or_else(oom)?;
+        let layout = Layout::from_size_align(size, 1).map_err(|_| oom())?;
         // SAFETY: the size is not zero.
-        let start = NonNull::new(unsafe { std::alloc::alloc(layout) }).ok_or_else(oom)?;
+        let allocated =
+            NonNull::new(unsafe { std::alloc::alloc_zeroed(layout) }).ok_or_else(oom)?;
+        let start = allocated.map_addr(|address| {
+            let aligned = address.get().next_multiple_of(align);
+            address.saturating_add(aligned - address.get())
+        });
         if align == HUGE {
-            advise_huge_pages(start, size);
+            advise_huge_pages(start, bytes);
         }
-        // SAFETY: the allocation has `size` bytes.
-        unsafe { start.write_bytes(0, size) };
         Ok(Self {
-            start,
+            allocated,
             layout,
+            start,
             bytes,
         })
     }
 
     pub fn bytes(&self) -> &[u8] {
-        // SAFETY: the allocation is initialized and at least `bytes` long.
+        // SAFETY: the allocation is zeroed and has `bytes` bytes from `start`, which is less than `align` into it.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.bytes) }
     }
 
@@ -64,7 +68,7 @@ impl Memory {
 impl Drop for Memory {
     fn drop(&mut self) {
         // SAFETY: allocated with this layout, freed once.
-        unsafe { std::alloc::dealloc(self.start.as_ptr(), self.layout) };
+        unsafe { std::alloc::dealloc(self.allocated.as_ptr(), self.layout) };
     }
 }
 

@@ -192,3 +192,51 @@ pub fn stops(material: &Material, texels: &[u32], uv: Vec2, ray: &Ray, triangle:
         _ => true,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_is_that_of_gl() {
+        for size in 1..20i32 {
+            for i in -size..=2 * size {
+                assert_eq!(wrap(i, size, 0), i.rem_euclid(size));
+                let j = i.rem_euclid(2 * size);
+                assert_eq!(
+                    wrap(i, size, 1),
+                    if j < size { j } else { 2 * size - 1 - j }
+                );
+                assert_eq!(wrap(i, size, 2), i.clamp(0, size - 1));
+            }
+        }
+    }
+
+    /// Repeated and mirrored pictures are sampled alike a whole number of periods away, far negative coordinates
+    /// included; a sample in the middle of a texel is that texel.
+    #[test]
+    fn samples_repeat() {
+        let mut texels = srgb_table().to_vec();
+        let first = texels.len() as u32;
+        texels.extend((0..12u32).map(|i| i | (i << 8) | 0xff00_0000));
+        let size = 4 | (3 << 16);
+        for sampler in [0, 1 | (1 << 2), NEAREST] {
+            let period = if sampler & 3 == 1 { 2.0 } else { 1.0 };
+            for i in 0..12 {
+                let uv =
+                    Vec2::new((i % 4) as f32 + 0.5, (i / 4) as f32 + 0.5) / Vec2::new(4.0, 3.0);
+                let here = sample(&texels, first, size, sampler, uv);
+                let expected = f32::from_bits(texels[i]);
+                assert!((here.x - expected).abs() <= 1e-6 && here.w == 1.0);
+                for periods in [-1000.0, -1.0, 1.0, 7.0] {
+                    let there = sample(&texels, first, size, sampler, uv + period * periods);
+                    // The coordinate has lost ten bits, and so has the weight.
+                    assert!(
+                        (there - here).abs().max_element() < 1e-6,
+                        "{i} {sampler} {periods}"
+                    );
+                }
+            }
+        }
+    }
+}

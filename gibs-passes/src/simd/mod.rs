@@ -7,6 +7,9 @@ mod lookup_scalar;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+#[cfg(test)]
+mod tests;
+
 #[cfg(not(target_arch = "x86_64"))]
 pub use lookup_scalar::Lookup;
 #[cfg(target_arch = "x86_64")]

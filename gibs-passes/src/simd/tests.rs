@@ -1,0 +1,113 @@
+//! Wide lookups give the scalar ones' bits.
+use super::{Avx2, Lookup};
+use crate::data::{SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::grid::GridLayout;
+use crate::shared::hash::{hash2, hash3, unit};
+use crate::shared::lookup::{self, Light, Surfels};
+use glam::{UVec2, Vec3};
+
+fn random(i: u32, k: u32) -> f32 {
+    unit(hash2(i, k)) * 2.0 - 1.0
+}
+
+fn direction(i: u32, k: u32) -> Vec3 {
+    let v = Vec3::new(random(i, k), random(i, k + 1), random(i, k + 2));
+    v.try_normalize().unwrap_or(Vec3::Z)
+}
+
+/// Surfels in a cube of side 2, all in the list of every cell: some without a radius, some without samples, every
+/// tenth with the normal -z, where the basis changes its sign.
+#[test]
+fn the_wide_lookup_is_the_scalar_one() {
+    if Avx2::detect().is_none() {
+        eprintln!("not run: this processor has no AVX2");
+        return;
+    }
+    let ids = || 0..200u32;
+    let poses: Vec<SurfelPose> = ids()
+        .map(|i| SurfelPose {
+            position: Vec3::new(random(i, 0), random(i, 1), random(i, 2)),
+            radius: if i % 13 == 0 {
+                0.0
+            } else {
+                0.9 + 0.8 * random(i, 3)
+            },
+            normal: if i % 10 == 0 {
+                Vec3::NEG_Z
+            } else {
+                direction(i, 4)
+            },
+            identity: i,
+        })
+        .collect();
+    let depths: Vec<SurfelDepth> = ids()
+        .map(|i| SurfelDepth {
+            texels: std::array::from_fn(|t| match i % 3 {
+                0 => 0xffff_ffff,
+                1 => hash3(i, t as u32, 7),
+                // Moments of one distance, so that the variance is the least there is.
+                _ => lookup::pack_moments(glam::Vec2::new(0.3, 0.09)),
+            }),
+        })
+        .collect();
+    let irradiance: Vec<SurfelIrradiance> = ids()
+        .map(|i| SurfelIrradiance {
+            mean: Vec3::new(random(i, 8), random(i, 9), random(i, 10)).abs() * 10.0,
+            samples: u32::from(i % 5 != 0) * i,
+            ..SurfelIrradiance::default()
+        })
+        .collect();
+    let births: Vec<SurfelBirth> = ids()
+        .map(|i| SurfelBirth {
+            frame: hash2(i, 11) % 50,
+            ..SurfelBirth::default()
+        })
+        .collect();
+    let layout = GridLayout::new(4, 10.0);
+    let grid = layout.at(Vec3::ZERO, 4.0);
+    let light = Light {
+        irradiance: &irradiance,
+        births: &births,
+        frame: 40,
+    };
+    let wide = Lookup::new();
+    let (mut covered, mut averaged) = (0, 0);
+    for case in 0..3000u32 {
+        let entries: Vec<u32> = (0..case % 41).map(|k| hash3(case, k, 1) % 200).collect();
+        let cells = vec![UVec2::new(0, entries.len() as u32); layout.cells() as usize];
+        let settings = SurfelSettings {
+            lookup: if case % 7 == 0 { 5 } else { 128 },
+            use_depth: u32::from(case % 3 != 0),
+            ..SurfelSettings::default()
+        };
+        let surfels = Surfels {
+            cells: &cells,
+            entries: &entries,
+            poses: &poses,
+            depths: &depths,
+            grid: &grid,
+            settings: &settings,
+        };
+        // Every ninth point is the centre of a surfel.
+        let (point, normal) = match entries.first() {
+            Some(&id) if case % 9 == 0 => (poses[id as usize].position, poses[id as usize].normal),
+            _ => (direction(case, 20) * random(case, 23), direction(case, 24)),
+        };
+        let coverage = lookup::coverage(point, normal, &surfels);
+        let same = wide.coverage(point, normal, &surfels);
+        assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
+        let gathered = lookup::gather(point, normal, &surfels, &light);
+        let same = wide.gather(point, normal, &surfels, &light);
+        assert_eq!(
+            bytemuck::bytes_of(&gathered),
+            bytemuck::bytes_of(&same),
+            "case {case}: {gathered:?} and {same:?}"
+        );
+        covered += u32::from(gathered.weight == 1.0);
+        averaged += u32::from(gathered.weight < 1.0 && gathered.average.x > 0.0);
+    }
+    assert!(
+        covered > 300 && averaged > 300,
+        "{covered} covered, {averaged} averaged"
+    );
+}
