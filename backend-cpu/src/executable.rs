@@ -15,6 +15,7 @@ pub(crate) struct CpuExecutable {
     schedule: Arc<Schedule>,
     pool: Arc<rayon::ThreadPool>,
     options: Options,
+    /// Of each resource; empty for one that is at home elsewhere.
     allocations: Vec<Allocation>,
     /// Room for the views of one step; empty between steps.
     views: Vec<RawView<'static>>,
@@ -84,8 +85,8 @@ impl CpuExecutable {
         let step = &schedule.steps[index];
         match &step.action {
             Action::Clear(resource) => {
-                let memory = self.allocations[*resource as usize].current.bytes_mut();
-                memory
+                let bytes = schedule.resources[*resource as usize].bytes as usize;
+                self.home(*resource).current.bytes_mut()[..bytes]
                     .par_chunks_mut(1 << 20)
                     .for_each(|chunk| chunk.fill(0));
                 Ok(())
@@ -94,12 +95,19 @@ impl CpuExecutable {
         }
     }
 
+    /// The memory that a resource uses.
+    fn home(&mut self, resource: ResourceId) -> &mut Allocation {
+        let home = self.schedule.resources[resource as usize].home;
+        &mut self.allocations[home as usize]
+    }
+
     /// Number of workgroups along each axis, and in all.
     fn groups(&self, label: &str, size: DispatchSize) -> Result<([u32; 3], u32), BackendError> {
         let groups = match size {
             DispatchSize::Groups(groups) => groups,
             DispatchSize::Indirect(resource) => {
-                let bytes = self.allocations[resource as usize].current.bytes();
+                let home = self.schedule.resources[resource as usize].home;
+                let bytes = self.allocations[home as usize].current.bytes();
                 let args: DispatchArgs =
                     gibs_graph::bytemuck::pod_read_unaligned(&bytes[..size_of::<DispatchArgs>()]);
                 [args.x, args.y, args.z]
@@ -126,20 +134,27 @@ impl CpuExecutable {
         let maps = self.maps(dispatch);
         let mut views = emptied(std::mem::take(&mut self.views));
         for (i, binding) in dispatch.bindings.iter().enumerate() {
-            let allocation = &mut self.allocations[binding.resource as usize];
+            let resource = &self.schedule.resources[binding.resource as usize];
+            let allocation = &mut self.allocations[resource.home as usize];
             let memory = match (binding.access, &mut allocation.previous) {
                 (Access::Previous, Some(previous)) => previous.bytes_mut(),
                 _ => allocation.current.bytes_mut(),
             };
+            let memory = &mut memory[..resource.bytes as usize];
             // SAFETY: the memory belongs to this executable, is initialized and aligned to cache lines, is not moved or
             // touched otherwise until the kernels below have returned, and was borrowed mutably here; a resource is
-            // bound twice only where no port writes it.
-            views.push(unsafe {
+            // bound twice only where no port writes it, and resources that share memory are never bound together.
+            let view = unsafe {
                 RawView::new(
                     memory.as_mut_ptr(),
                     memory.len(),
+                    binding.access,
                     maps.get(i).and_then(Option::as_ref),
                 )
+            };
+            views.push(match resource.image {
+                Some(image) => view.with_size(image.size),
+                None => view,
             });
         }
         let kernel = match dispatch.kernel.cpu_wide {
@@ -187,9 +202,10 @@ impl CpuExecutable {
         let bindings = dispatch.bindings.iter();
         bindings
             .map(|binding| {
-                let memory = self.allocations[binding.resource as usize].current.bytes();
-                matches!(binding.access, Access::Write | Access::ReadWrite)
-                    .then(|| WriteMap::new(memory.as_ptr().addr(), memory.len()))
+                let resource = &self.schedule.resources[binding.resource as usize];
+                let memory = self.allocations[resource.home as usize].current.bytes();
+                (binding.access.writes() && binding.access != Access::Atomic)
+                    .then(|| WriteMap::new(memory.as_ptr().addr(), resource.bytes as usize))
             })
             .collect()
     }
@@ -213,7 +229,7 @@ impl Executable for CpuExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
-        let memory = self.allocations[resource as usize].current.bytes_mut();
+        let memory = self.home(resource).current.bytes_mut();
         memory[offset as usize..offset as usize + bytes.len()].copy_from_slice(bytes);
         Ok(())
     }
@@ -239,7 +255,8 @@ impl Executable for CpuExecutable {
 
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
         check_range(&self.schedule, resource, 0, 0)?;
-        Ok(self.allocations[resource as usize].current.bytes().to_vec())
+        let bytes = self.schedule.resources[resource as usize].bytes as usize;
+        Ok(self.home(resource).current.bytes()[..bytes].to_vec())
     }
 
     fn reset(&mut self) -> Result<(), BackendError> {

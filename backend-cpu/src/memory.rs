@@ -29,9 +29,9 @@ impl Memory {
         let oom = || BackendError::OutOfMemory {
             device: "cpu".into(),
             resource: resource.key.clone(),
-            bytes: resource.bytes,
+            bytes: resource.room,
         };
-        let bytes = usize::try_from(resource.bytes).map_err(|_| oom())?;
+        let bytes = usize::try_from(resource.room).map_err(|_| oom())?;
         let align = if bytes < HUGE { LINE } else { HUGE };
         // Without an alignment of its own, a large zeroed allocation is fresh pages of the system, which are zero.
         let size = bytes.checked_add(align).ok_or_else(oom)?;

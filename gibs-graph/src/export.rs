@@ -50,11 +50,12 @@ impl Schedule {
     /// One line per step, with bindings and barriers.
     pub fn to_text(&self) -> String {
         let mut text = format!(
-            "{}: {} steps, {} resources, {:.1} MB\n",
+            "{}: {} steps, {} resources, {:.1} MB ({:.1} MB saved by sharing)\n",
             self.name,
             self.steps.len(),
             self.resources.len(),
-            self.bytes(false) as f64 / 1e6
+            self.bytes(false) as f64 / 1e6,
+            self.shared_bytes() as f64 / 1e6
         );
         for (i, step) in self.steps.iter().enumerate() {
             let barrier = if step.hazards.is_empty() { ' ' } else { '|' };
@@ -77,6 +78,8 @@ impl Schedule {
                         Access::Atomic => "a",
                         Access::Previous => "p",
                         Access::HostOnly => "h",
+                        Access::Sampled => "s",
+                        Access::Stored => "st",
                         Access::Indirect => "i",
                     };
                     let _ = write!(

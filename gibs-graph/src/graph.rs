@@ -1,8 +1,8 @@
 //! Recording a frame: resources and stages.
 use crate::handle::GraphToken;
 use crate::{
-    Access, Buffer, DispatchArgs, Element, GraphError, Initial, KernelSource, Kind, Layout, Port,
-    Previous, Stage, State,
+    Access, Buffer, DispatchArgs, Element, GraphError, Image, ImageShape, Initial, KernelSource,
+    Kind, Layout, Port, Previous, Sampled, Stage, State, Stored, Texel,
 };
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,6 +16,8 @@ pub struct Graph {
     pub(crate) stages: Vec<StageDecl>,
     pub(crate) outputs: Vec<OutputDecl>,
     pub(crate) errors: Vec<GraphError>,
+    /// Transients may share memory.
+    pub(crate) shares: bool,
 }
 
 /// A resource as declared.
@@ -25,6 +27,7 @@ pub(crate) struct ResourceDecl {
     pub kind: Kind,
     pub element: Layout,
     pub len: u64,
+    pub image: Option<ImageShape>,
     /// Version that the next frame starts from.
     pub kept: Option<u32>,
 }
@@ -88,13 +91,32 @@ impl Graph {
             stages: Vec::new(),
             outputs: Vec::new(),
             errors: Vec::new(),
+            shares: true,
         }
+    }
+
+    /// Gives every transient memory of its own, so that each still holds its last value after the frame: for checks that
+    /// read everything. Otherwise transients share memory where their lifetimes do not meet.
+    pub fn keep_transients(&mut self) {
+        self.shares = false;
     }
 
     /// A buffer that the host writes between frames and stages only read. Its content stays until it is written
     /// again, also across schedules, as long as key, type and length agree.
     pub fn input<T: Element>(&mut self, key: &str, len: u64) -> Buffer<T> {
         self.declare(key, Kind::Input, len)
+    }
+
+    /// An image that the host provides and stages only read. Without one from the host, a backend makes its own, which
+    /// is written as an input is, one value per texel.
+    pub fn import_image<T: Sampled>(&mut self, key: &str, size: [u32; 2]) -> Image<T> {
+        self.declare_image(key, Kind::Input, size)
+    }
+
+    /// An image that a stage writes for the host, who may provide it; undefined at the start of the frame. Pass its
+    /// last version to [`Graph::output_image`].
+    pub fn export_image<T: Stored>(&mut self, key: &str, size: [u32; 2]) -> Image<T> {
+        self.declare_image(key, Kind::Transient, size)
     }
 
     /// A buffer that lives within the frame, undefined at its start.
@@ -182,6 +204,22 @@ impl Graph {
         });
     }
 
+    /// As [`Graph::output`], for an image.
+    pub fn output_image<T: Texel>(&mut self, name: &str, image: &Image<T>) {
+        if image.token != self.token {
+            self.errors.push(GraphError::ForeignHandle {
+                stage: "output".into(),
+                port: name.into(),
+            });
+            return;
+        }
+        self.outputs.push(OutputDecl {
+            name: name.into(),
+            resource: image.resource,
+            version: image.version,
+        });
+    }
+
     /// Adds a stage. `label` is its name in the frame, such as `persistent/ray_trace`; what stands before the slash
     /// is its group.
     pub fn add<S: Stage>(
@@ -237,6 +275,7 @@ impl Graph {
             kind,
             element: T::layout(),
             len: len.max(1),
+            image: None,
             kept: None,
         });
         Buffer {
@@ -245,6 +284,31 @@ impl Graph {
             version: 0,
             len: len.max(1),
             element: PhantomData,
+        }
+    }
+}
+
+impl Graph {
+    fn declare_image<T: Texel>(&mut self, key: &str, kind: Kind, size: [u32; 2]) -> Image<T> {
+        let size = size.map(|side| side.max(1));
+        let resource = self.resources.len() as u32;
+        self.resources.push(ResourceDecl {
+            key: key.into(),
+            kind,
+            element: T::FORMAT.value(),
+            len: u64::from(size[0]) * u64::from(size[1]),
+            image: Some(ImageShape {
+                format: T::FORMAT,
+                size,
+            }),
+            kept: None,
+        });
+        Image {
+            token: self.token,
+            resource,
+            version: 0,
+            size,
+            texel: PhantomData,
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Handles: one version of one resource of one graph.
-use crate::Element;
+use crate::{Element, Texel};
 use std::marker::PhantomData;
 
 /// Identity of a graph, so that handles of different graphs cannot be mixed up unnoticed.
@@ -160,6 +160,24 @@ impl<T: Element> Previous<T> {
     /// There are no elements.
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+}
+
+/// A version of an image of `T`; see [`Buffer`] for what versions are.
+#[derive(Debug)]
+#[must_use = "a version that nobody reads is dead"]
+pub struct Image<T> {
+    pub(crate) token: GraphToken,
+    pub(crate) resource: u32,
+    pub(crate) version: u32,
+    pub(crate) size: [u32; 2],
+    pub(crate) texel: PhantomData<fn() -> T>,
+}
+
+impl<T: Texel> Image<T> {
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
     }
 }
 

@@ -18,6 +18,15 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Allocations of a resource: two for a history.
+    pub fn allocations(&self) -> u64 {
+        if matches!(self, Kind::History(_)) {
+            2
+        } else {
+            1
+        }
+    }
+
     /// The content outlives the frame.
     pub fn persists(&self) -> bool {
         matches!(self, Kind::Input | Kind::State(_) | Kind::History(_))

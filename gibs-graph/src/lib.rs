@@ -16,28 +16,34 @@ mod error;
 mod export;
 mod graph;
 mod handle;
+mod image_view;
 mod kernel;
 mod kind;
 mod port;
 mod schedule;
 mod shader;
 mod stage;
+mod texel;
 mod view;
 
 pub use backend::{Backend, BackendError, DeviceInfo, Executable, StepTime, check_range};
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, Recorder, groups_for};
-pub use handle::{Buffer, Previous, State};
+pub use handle::{Buffer, Image, Previous, State};
+pub use image_view::{ImageStore, ImageView};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
 pub use kind::{Initial, Kind};
 pub use port::{Access, Port};
 pub use schedule::{
-    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Output, Resource, ResourceId,
-    Schedule, Step, Usage,
+    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, ImageShape, Output, Resource,
+    ResourceId, Schedule, Step, Usage,
 };
 pub use shader::ShaderCompiler;
 pub use stage::{Stage, next_view};
+pub use texel::{
+    Float, ImageFormat, Rgba8Unorm, Rgba16Float, Rgba32Float, Sampled, Stored, Texel, Uint,
+};
 pub use view::{AtomicView, RawView, ReadView, WriteMap, WriteView};
 
 pub use bytemuck;

@@ -1,5 +1,5 @@
 //! Ports: how a stage touches a resource.
-use crate::Layout;
+use crate::{ImageFormat, Layout};
 use serde::Serialize;
 
 /// One port of a stage. Everything else about the binding follows from it.
@@ -9,8 +9,10 @@ pub struct Port {
     pub name: &'static str,
     /// How it is touched.
     pub access: Access,
-    /// Type of one element.
+    /// Type of one element; of an image, of one value.
     pub element: Layout,
+    /// What an image's texels are; `None` for a buffer.
+    pub image: Option<ImageFormat>,
 }
 
 /// How a stage touches a resource.
@@ -31,6 +33,10 @@ pub enum Access {
     Previous,
     /// Seen by the wide CPU kernel only; no device binding exists.
     HostOnly,
+    /// An image that is read, `texture_2d`.
+    Sampled,
+    /// An image that is written, `texture_storage_2d<_, write>`. As for [`Access::Write`], what is left out stays.
+    Stored,
     /// Sizes of an indirect dispatch; not a binding.
     Indirect,
 }
@@ -38,12 +44,20 @@ pub enum Access {
 impl Access {
     /// The stage makes a new version of the resource.
     pub fn writes(self) -> bool {
-        matches!(self, Access::Write | Access::ReadWrite | Access::Atomic)
+        matches!(
+            self,
+            Access::Write | Access::ReadWrite | Access::Atomic | Access::Stored
+        )
     }
 
     /// The stage depends on what is there.
     pub fn reads(self) -> bool {
-        !matches!(self, Access::Write)
+        !matches!(self, Access::Write | Access::Stored)
+    }
+
+    /// It is an image.
+    pub fn is_image(self) -> bool {
+        matches!(self, Access::Sampled | Access::Stored)
     }
 
     /// The stage's device kernel has a global for it.

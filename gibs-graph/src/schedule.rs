@@ -1,5 +1,5 @@
 //! A compiled frame: plain data that any backend can run.
-use crate::{Access, KernelSource, Kind, Layout, Port};
+use crate::{Access, ImageFormat, KernelSource, Kind, Layout, Port};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -35,10 +35,26 @@ pub struct Resource {
     pub element: Layout,
     /// Number of elements.
     pub len: u64,
-    /// Bytes of one allocation; a history has two.
+    /// Bytes of one allocation; a history has two. Of an image, those of its values.
     pub bytes: u64,
+    /// Size and texels of an image; `None` for a buffer.
+    pub image: Option<ImageShape>,
+    /// The resource whose memory this one uses, itself unless it shares. Resources that share are never in use at the
+    /// same time.
+    pub home: ResourceId,
+    /// Bytes to allocate: enough for everything that is at home here, 0 where this one is at home elsewhere.
+    pub room: u64,
     /// How stages touch it.
     pub usage: Usage,
+}
+
+/// Size and texels of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct ImageShape {
+    /// How devices see it.
+    pub format: ImageFormat,
+    /// Width and height.
+    pub size: [u32; 2],
 }
 
 /// How the stages of a schedule touch a resource.
@@ -50,6 +66,8 @@ pub struct Usage {
     pub storage: bool,
     /// Read as sizes of an indirect dispatch.
     pub indirect: bool,
+    /// An image.
+    pub image: bool,
     /// Seen by wide CPU kernels.
     pub host: bool,
 }
@@ -57,7 +75,7 @@ pub struct Usage {
 impl Usage {
     /// A device needs an allocation for it.
     pub fn on_device(self) -> bool {
-        self.uniform || self.storage || self.indirect
+        self.uniform || self.storage || self.indirect || self.image
     }
 }
 
@@ -182,17 +200,19 @@ impl Schedule {
 
     /// Bytes that a backend allocates for this schedule; with wide CPU data only where `host` is set.
     pub fn bytes(&self, host: bool) -> u64 {
-        self.resources
-            .iter()
+        self.sum_bytes(host, |r| r.room)
+    }
+
+    /// Bytes that transients save by sharing memory.
+    pub fn shared_bytes(&self) -> u64 {
+        self.sum_bytes(true, |r| r.bytes) - self.bytes(true)
+    }
+
+    fn sum_bytes(&self, host: bool, bytes: impl Fn(&Resource) -> u64) -> u64 {
+        let counted = self.resources.iter();
+        counted
             .filter(|r| r.usage.on_device() || host)
-            .map(|r| {
-                r.bytes
-                    .saturating_mul(if matches!(r.kind, Kind::History(_)) {
-                        2
-                    } else {
-                        1
-                    })
-            })
+            .map(|r| bytes(r).saturating_mul(r.kind.allocations()))
             .fold(0, u64::saturating_add)
     }
 

@@ -1,5 +1,7 @@
 //! Stages: ports declared once, from which everything else follows.
-use crate::{Access, Buffer, Element, KernelSource, Port, Previous, Recorder};
+use crate::{
+    Access, Buffer, Element, Image, KernelSource, Port, Previous, Recorder, Sampled, Stored,
+};
 
 /// A kind of stage. Implemented by [`stage!`](crate::stage!), never by hand.
 pub trait Stage {
@@ -25,7 +27,8 @@ pub trait Stage {
 ///
 /// Generates, in the module that calls it: the marker type, `Inputs<'g>` (handles that go in), `Outputs` (versions
 /// that come out), `Views<'a>` (what the CPU kernel sees) and the [`Stage`] implementation. Access words are
-/// `uniform`, `read`, `write`, `read_write`, `atomic` (of `u32`), `previous` and `host_only`; at least one port is read.
+/// `uniform`, `read`, `write`, `read_write`, `atomic` (of `u32`), `previous` and `host_only` for buffers, `sampled` and
+/// `stored` for images, with a [`Texel`](crate::Texel) as their type; at least one port is read.
 ///
 /// ```
 /// use gibs_graph::{stage, Dispatch, Graph, WgslSource, Workgroup};
@@ -116,7 +119,8 @@ macro_rules! stage {
                 vec![$($crate::Port {
                     name: stringify!($port),
                     access: $crate::__stage_access!($access),
-                    element: <$ty as $crate::Element>::layout(),
+                    element: $crate::__stage_element!($access $ty),
+                    image: $crate::__stage_image!($access $ty),
                 },)*]
             }
 
@@ -159,6 +163,8 @@ macro_rules! __stage_input {
     ($g:lifetime write $ty:ty) => { $crate::Buffer<$ty> };
     ($g:lifetime read_write $ty:ty) => { $crate::Buffer<$ty> };
     ($g:lifetime atomic $ty:ty) => { $crate::Buffer<$ty> };
+    ($g:lifetime sampled $ty:ty) => { &$g $crate::Image<$ty> };
+    ($g:lifetime stored $ty:ty) => { $crate::Image<$ty> };
 }
 
 #[doc(hidden)]
@@ -171,6 +177,8 @@ macro_rules! __stage_view {
     ($a:lifetime write $ty:ty) => { $crate::WriteView<$a, $ty> };
     ($a:lifetime read_write $ty:ty) => { $crate::WriteView<$a, $ty> };
     ($a:lifetime atomic $ty:ty) => { $crate::AtomicView<$a> };
+    ($a:lifetime sampled $ty:ty) => { $crate::ImageView<$a, $ty> };
+    ($a:lifetime stored $ty:ty) => { $crate::ImageStore<$a, $ty> };
 }
 
 #[doc(hidden)]
@@ -197,6 +205,40 @@ macro_rules! __stage_access {
     (atomic) => {
         $crate::Access::Atomic
     };
+    (sampled) => {
+        $crate::Access::Sampled
+    };
+    (stored) => {
+        $crate::Access::Stored
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __stage_element {
+    (sampled $ty:ty) => {
+        <$ty as $crate::Texel>::FORMAT.value()
+    };
+    (stored $ty:ty) => {
+        <$ty as $crate::Texel>::FORMAT.value()
+    };
+    ($access:ident $ty:ty) => {
+        <$ty as $crate::Element>::layout()
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __stage_image {
+    (sampled $ty:ty) => {
+        Some(<$ty as $crate::Texel>::FORMAT)
+    };
+    (stored $ty:ty) => {
+        Some(<$ty as $crate::Texel>::FORMAT)
+    };
+    ($access:ident $ty:ty) => {
+        None
+    };
 }
 
 #[doc(hidden)]
@@ -213,6 +255,12 @@ macro_rules! __stage_bind_view {
     };
     (atomic $ty:ty, $next:ident, $group:ident, $port:ident) => {
         $crate::AtomicView::of($crate::next_view(&mut $next, stringify!($port)))
+    };
+    (sampled $ty:ty, $next:ident, $group:ident, $port:ident) => {
+        $crate::ImageView::of($crate::next_view(&mut $next, stringify!($port)))
+    };
+    (stored $ty:ty, $next:ident, $group:ident, $port:ident) => {
+        $crate::ImageStore::of($crate::next_view(&mut $next, stringify!($port)), $group)
     };
     ($access:ident $ty:ty, $next:ident, $group:ident, $port:ident) => {
         $crate::ReadView::of($crate::next_view(&mut $next, stringify!($port)))
@@ -234,6 +282,12 @@ macro_rules! __stage_record {
     (previous $r:ident, $handle:expr, $port:expr) => {
         $r.previous($handle, $port)
     };
+    (sampled $r:ident, $handle:expr, $port:expr) => {
+        $r.sample($handle, $port)
+    };
+    (stored $r:ident, $handle:expr, $port:expr) => {
+        $r.store($handle, $port)
+    };
     ($access:ident $r:ident, $handle:expr, $port:expr) => {
         $r.read($handle, $port, $crate::__stage_access!($access))
     };
@@ -242,23 +296,26 @@ macro_rules! __stage_record {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __stage_outputs {
-    ($name:ident [$($out:ident $oty:ty,)*] write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port $ty,] $($rest)*);
+    ($name:ident [$($out:ident $oty:tt,)*] write $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
     };
-    ($name:ident [$($out:ident $oty:ty,)*] read_write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port $ty,] $($rest)*);
+    ($name:ident [$($out:ident $oty:tt,)*] read_write $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
     };
-    ($name:ident [$($out:ident $oty:ty,)*] atomic $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port $ty,] $($rest)*);
+    ($name:ident [$($out:ident $oty:tt,)*] stored $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Image<$ty>),] $($rest)*);
     };
-    ($name:ident [$($out:ident $oty:ty,)*] $access:ident $port:ident : $ty:ty, $($rest:tt)*) => {
+    ($name:ident [$($out:ident $oty:tt,)*] atomic $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
+    };
+    ($name:ident [$($out:ident $oty:tt,)*] $access:ident $port:ident : $ty:ty, $($rest:tt)*) => {
         $crate::__stage_outputs!($name [$($out $oty,)*] $($rest)*);
     };
-    ($name:ident [$($out:ident $oty:ty,)*]) => {
+    ($name:ident [$($out:ident $oty:tt,)*]) => {
         #[doc = concat!("Versions that [`", stringify!($name), "`] makes.")]
         #[allow(missing_docs)]
         pub struct Outputs {
-            $(pub $out: $crate::Buffer<$oty>,)*
+            $(pub $out: $oty,)*
         }
     };
 }
@@ -269,6 +326,7 @@ macro_rules! __stage_result {
     ([$($out:ident,)*] write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] read_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] atomic $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
+    ([$($out:ident,)*] stored $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] $access:ident $port:ident, $($rest:tt)*) => {{
         let () = $port;
         $crate::__stage_result!([$($out,)*] $($rest)*)
@@ -321,6 +379,32 @@ impl Recorder<'_> {
         Buffer {
             version: handle.version + 1,
             ..handle
+        }
+    }
+
+    /// Binds an image that is read.
+    pub fn sample<T: Sampled>(&mut self, image: &Image<T>, port: &'static str) {
+        self.bind(
+            image.token,
+            image.resource,
+            Some(image.version),
+            port,
+            Access::Sampled,
+        );
+    }
+
+    /// Binds an image that is written, and gives the version that it makes.
+    pub fn store<T: Stored>(&mut self, image: Image<T>, port: &'static str) -> Image<T> {
+        self.bind(
+            image.token,
+            image.resource,
+            Some(image.version),
+            port,
+            Access::Stored,
+        );
+        Image {
+            version: image.version + 1,
+            ..image
         }
     }
 }

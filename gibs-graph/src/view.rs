@@ -6,7 +6,7 @@
 //! reads what another one writes shows as a result that depends on the order. [`AtomicView`] is free of the rule.
 //! A resource is bound at most once per stage when any port writes it (graph compilation checks this), so views of
 //! one stage never overlap.
-use crate::Element;
+use crate::{Access, Element};
 use std::marker::PhantomData;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -18,6 +18,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 pub struct RawView<'a> {
     ptr: *mut u8,
     bytes: usize,
+    access: Access,
+    size: [u32; 2],
     map: Option<&'a WriteMap>,
     life: PhantomData<&'a ()>,
 }
@@ -28,18 +30,45 @@ unsafe impl Send for RawView<'_> {}
 unsafe impl Sync for RawView<'_> {}
 
 impl<'a> RawView<'a> {
-    /// A view of `bytes` bytes at `ptr`.
+    /// A view of `bytes` bytes at `ptr` that is touched as `access` says.
     ///
     /// # Safety
-    /// The memory is valid for reads and, where a writing view is made from it, writes for `'a`, aligned to 64 bytes,
-    /// initialized, and touched by nothing but views made from this value (and copies of it) during `'a`.
-    pub unsafe fn new(ptr: *mut u8, bytes: usize, map: Option<&'a WriteMap>) -> Self {
+    /// The memory is valid for reads and, where `access` writes, for writes for `'a`, aligned to 64 bytes and
+    /// initialized. During `'a` it is touched by nothing but views made from this value (and copies of it), or, where
+    /// `access` does not write, from others that do not write either.
+    pub unsafe fn new(
+        ptr: *mut u8,
+        bytes: usize,
+        access: Access,
+        map: Option<&'a WriteMap>,
+    ) -> Self {
         Self {
             ptr,
             bytes,
+            access,
+            size: [0; 2],
             map,
             life: PhantomData,
         }
+    }
+
+    /// The same view, of an image of this size.
+    pub fn with_size(self, size: [u32; 2]) -> Self {
+        Self { size, ..self }
+    }
+
+    /// Size of an image; zero for a buffer.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The port was declared for this kind of view: what keeps slices and writes of one binding apart.
+    fn expect(&self, fits: bool) {
+        assert!(
+            fits,
+            "a view that does not fit a port with access {:?}",
+            self.access
+        );
     }
 
     fn len_of<T>(&self) -> usize {
@@ -54,9 +83,13 @@ pub struct ReadView<'a, T>(&'a [T]);
 
 impl<'a, T: Element> ReadView<'a, T> {
     /// A view of the whole binding.
+    ///
+    /// # Panics
+    /// If the port writes.
     pub fn of(raw: RawView<'a>) -> Self {
+        raw.expect(!raw.access.writes());
         // SAFETY: the memory is valid and initialized for 'a (RawView::new), T is plain data of at most its
-        // alignment, and no port of the stage writes it (checked when the graph is compiled).
+        // alignment, and nothing writes it: this port does not, and then no view of the memory does (RawView::new).
         Self(unsafe { std::slice::from_raw_parts(raw.ptr.cast::<T>(), raw.len_of::<T>()) })
     }
 
@@ -89,7 +122,11 @@ pub struct WriteView<'a, T> {
 
 impl<'a, T: Element> WriteView<'a, T> {
     /// A view of the whole binding for the workgroup with linear index `group`.
+    ///
+    /// # Panics
+    /// If the port does not write, or is atomic.
     pub fn of(raw: RawView<'a>, group: u32) -> Self {
+        raw.expect(raw.access.writes() && raw.access != Access::Atomic);
         Self {
             len: raw.len_of::<T>(),
             raw,
@@ -165,8 +202,13 @@ pub struct AtomicView<'a>(&'a [AtomicU32]);
 
 impl<'a> AtomicView<'a> {
     /// A view of the whole binding.
+    ///
+    /// # Panics
+    /// If the port is not atomic.
     pub fn of(raw: RawView<'a>) -> Self {
-        // SAFETY: the memory is valid and initialized for 'a, aligned, and only touched through atomics during 'a.
+        raw.expect(raw.access == Access::Atomic);
+        // SAFETY: the memory is valid and initialized for 'a, aligned, and only touched through atomics during 'a:
+        // every view of an atomic port is such a one.
         Self(unsafe {
             std::slice::from_raw_parts(raw.ptr.cast::<AtomicU32>(), raw.len_of::<u32>())
         })

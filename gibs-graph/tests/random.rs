@@ -71,7 +71,10 @@ proptest! {
                 prop_assert!(conflicts.contains(&(hazard.after as usize, i, hazard.resource)));
                 let does = |step: usize| {
                     let touches = oracle::touches(&schedule.steps[step]);
-                    let here = touches.into_iter().filter(|touch| touch.0 == (hazard.resource, false));
+                    let home = |id: u32| schedule.resources[id as usize].home;
+                    let here = touches.into_iter().filter(|touch| {
+                        home(touch.0.0) == home(hazard.resource) && !touch.0.1
+                    });
                     here.fold((false, false), |all, touch| (all.0 || touch.1, all.1 || touch.2))
                 };
                 let kind = match (does(hazard.after as usize), does(i)) {
@@ -82,6 +85,13 @@ proptest! {
                 prop_assert_eq!(hazard.kind, kind);
             }
         }
+
+        // Nothing is read before it is written.
+        prop_assert!(!oracle::reads_unwritten(&schedule));
+        // Memory is shared only by what is never in use together, and sharing saves what it says.
+        prop_assert_eq!(oracle::collisions(&schedule), vec![]);
+        let apart: u64 = schedule.resources.iter().map(|r| r.bytes * r.kind.allocations()).sum();
+        prop_assert_eq!(schedule.bytes(true) + schedule.shared_bytes(), apart);
 
         // Zeroed resources, and only they, are cleared: once, and with nothing but clears between that and the first use.
         for (id, resource) in schedule.resources.iter().enumerate() {
@@ -144,6 +154,80 @@ fn the_oracle_finds_a_missing_barrier() {
     assert_eq!(without(1), [(0, 1, a), (0, 2, a)]);
     assert_eq!(without(3), [(1, 3, a), (2, 3, a)]);
     assert_eq!(without(2), []);
+}
+
+/// `a` is dead when `c` is born.
+fn chain() -> Schedule {
+    let mut g = Graph::new("chain");
+    let source = g.input("source", LEN);
+    let [a, b, c] = ["a", "b", "c"].map(|name| g.transient(name, LEN));
+    let a = pass_on(&mut g, "first", &source, a);
+    let b = pass_on(&mut g, "second", &a, b);
+    let c = pass_on(&mut g, "third", &b, c);
+    let last = g.transient("last", LEN);
+    let last = pass_on(&mut g, "fourth", &c, last);
+    g.output("last", &last);
+    g.compile(None).unwrap()
+}
+
+#[test]
+fn transients_share_memory_in_turn() {
+    let schedule = chain();
+    let home = |key: &str| schedule.resources[schedule.resource(key).unwrap() as usize].home;
+    assert_eq!(home("a"), home("c"));
+    assert_ne!(home("a"), home("b"));
+    assert_ne!(home("b"), home("last"), "an output is read after the frame");
+    assert_eq!(schedule.shared_bytes(), 4 * LEN);
+    assert_eq!(oracle::collisions(&schedule), []);
+    // The third stage overwrites what the second one reads: a barrier that sharing makes necessary.
+    let mut without = schedule.clone();
+    without.steps[2].hazards.clear();
+    assert!(!oracle::unsettled(&without).is_empty());
+}
+
+#[test]
+fn the_oracle_finds_a_wrong_home() {
+    let mut schedule = chain();
+    let [a, b] = ["a", "b"].map(|key| schedule.resource(key).unwrap());
+    schedule.resources[b as usize].home = schedule.resources[a as usize].home;
+    assert!(oracle::collisions(&schedule).contains(&(a, b)));
+
+    let mut schedule = chain();
+    let home = schedule.resources[a as usize].home;
+    schedule.resources[home as usize].room -= 4;
+    assert!(!oracle::collisions(&schedule).is_empty(), "too small");
+
+    let mut schedule = chain();
+    let last = schedule.resource("last").unwrap();
+    schedule.resources[last as usize].home = home;
+    assert!(!oracle::collisions(&schedule).is_empty(), "an output");
+}
+
+#[test]
+fn the_oracle_finds_a_wrong_order() {
+    let mut schedule = chain();
+    schedule.steps.swap(0, 1);
+    assert!(!oracle::reads_unwritten(&chain()));
+    assert!(oracle::reads_unwritten(&schedule));
+}
+
+#[test]
+fn transients_that_are_kept_share_nothing() {
+    let mut g = Graph::new("kept");
+    g.keep_transients();
+    let source = g.input("source", LEN);
+    let [a, b, c] = ["a", "b", "c"].map(|name| g.transient(name, LEN));
+    let a = pass_on(&mut g, "first", &source, a);
+    let b = pass_on(&mut g, "second", &a, b);
+    let c = pass_on(&mut g, "third", &b, c);
+    g.output("c", &c);
+    let schedule = g.compile(None).unwrap();
+    assert_eq!(schedule.shared_bytes(), 0);
+    assert!(
+        (0..)
+            .zip(&schedule.resources)
+            .all(|(id, r)| r.home == id && r.room == r.bytes)
+    );
 }
 
 #[test]

@@ -6,6 +6,8 @@ use gibs_graph::{Access, GraphError, KernelSource, Layout, Port, Scalar, ShaderC
 /// What WebGPU guarantees.
 const MAX_STORAGE_BUFFERS: usize = 8;
 const MAX_UNIFORM_BUFFERS: usize = 12;
+const MAX_SAMPLED_TEXTURES: usize = 16;
+const MAX_STORAGE_TEXTURES: usize = 4;
 const MAX_INVOCATIONS: u64 = 256;
 const MAX_DEPTH: u32 = 64;
 const MAX_WORKGROUP_MEMORY: u64 = 16384;
@@ -100,6 +102,10 @@ impl Report<'_> {
     fn port(&mut self, port: &Port, global: &Global) {
         let name = Some(port.name);
         let want = match port.access {
+            Access::Sampled | Access::Stored => match port.image {
+                Some(format) => Space::Image(format),
+                None => Space::Other,
+            },
             Access::Uniform => Space::Uniform,
             Access::Read | Access::Previous => Space::Read,
             _ => Space::ReadWrite,
@@ -107,7 +113,7 @@ impl Report<'_> {
         let fits = want == global.space;
         if !fits {
             let message = match global.space {
-                Space::Other => "ports are buffers, and this is none".into(),
+                Space::Other => format!("no port can be this; the port needs `{}`", want.wgsl()),
                 space => format!(
                     "declared `{}`, but the port needs `{}`",
                     space.wgsl(),
@@ -125,7 +131,7 @@ impl Report<'_> {
         } else if fits && let Some(message) = unfit(port.access, global.used) {
             self.at(global, name, message);
         }
-        if global.space != Space::Other {
+        if !matches!(global.space, Space::Other | Space::Image(_)) && !port.access.is_image() {
             self.element(port, global);
         }
     }
@@ -263,6 +269,21 @@ impl Report<'_> {
                     "{file}: {storage} storage buffers; at most {MAX_STORAGE_BUFFERS}; {remedy}"
                 ),
             );
+        }
+        let images = |stored: bool| {
+            let is = |g: &&Global| matches!(g.space, Space::Image(f) if f.is_stored() == stored);
+            globals.iter().filter(is).count()
+        };
+        for (what, count, most) in [
+            ("sampled textures", images(false), MAX_SAMPLED_TEXTURES),
+            ("storage textures", images(true), MAX_STORAGE_TEXTURES),
+        ] {
+            if count > most {
+                self.add(
+                    None,
+                    format!("{file}: {count} {what}; at most {most}; split the stage"),
+                );
+            }
         }
         let uniforms = count(|s| s == Space::Uniform);
         if uniforms > MAX_UNIFORM_BUFFERS {

@@ -2,9 +2,12 @@
 use crate::compiler::Inner;
 use crate::compose::Place;
 use crate::layout;
-use gibs_graph::Layout;
+use gibs_graph::{ImageFormat, Layout};
 use naga::valid::GlobalUse;
-use naga::{AddressSpace, ArraySize, StorageAccess, TypeInner};
+use naga::{
+    AddressSpace, ArraySize, ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat,
+    TypeInner,
+};
 
 /// A resource that a kernel declares.
 #[derive(Debug)]
@@ -27,13 +30,25 @@ pub(crate) enum Space {
     Read,
     /// `var<storage, read_write>`.
     ReadWrite,
-    /// Anything that is no buffer.
+    /// An image of this format.
+    Image(ImageFormat),
+    /// Anything that no port can be.
     Other,
 }
 
 impl Space {
     pub fn wgsl(self) -> &'static str {
         match self {
+            Space::Image(ImageFormat::Float) => "var _: texture_2d<f32>",
+            Space::Image(ImageFormat::Uint) => "var _: texture_2d<u32>",
+            Space::Image(ImageFormat::Rgba16Float) => {
+                "var _: texture_storage_2d<rgba16float, write>"
+            }
+            Space::Image(ImageFormat::Rgba32Float) => {
+                "var _: texture_storage_2d<rgba32float, write>"
+            }
+            Space::Image(ImageFormat::Rgba8Unorm) => "var _: texture_storage_2d<rgba8unorm, write>",
+            Space::Image(_) => "var _: texture",
             Space::Uniform => "var<uniform>",
             Space::Read => "var<storage, read>",
             Space::ReadWrite => "var<storage, read_write>",
@@ -82,7 +97,7 @@ pub(crate) fn globals(kernel: &Inner) -> Vec<Global> {
                     Space::ReadWrite
                 }
                 AddressSpace::Storage { .. } => Space::Read,
-                _ => Space::Other,
+                _ => image(module, global.ty).map_or(Space::Other, Space::Image),
             };
             Some(Global {
                 name: global.name.clone().unwrap_or_default(),
@@ -102,6 +117,35 @@ pub(crate) fn globals(kernel: &Inner) -> Vec<Global> {
         .collect();
     globals.sort_by_key(|g| (g.group, g.binding));
     globals
+}
+
+/// The format of an image that a port can have.
+fn image(module: &naga::Module, ty: naga::Handle<naga::Type>) -> Option<ImageFormat> {
+    let TypeInner::Image {
+        dim: ImageDimension::D2,
+        arrayed: false,
+        class,
+    } = module.types[ty].inner
+    else {
+        return None;
+    };
+    match class {
+        ImageClass::Sampled {
+            kind: ScalarKind::Float,
+            multi: false,
+        } => Some(ImageFormat::Float),
+        ImageClass::Sampled {
+            kind: ScalarKind::Uint,
+            multi: false,
+        } => Some(ImageFormat::Uint),
+        ImageClass::Storage { format, access } if access == StorageAccess::STORE => match format {
+            StorageFormat::Rgba16Float => Some(ImageFormat::Rgba16Float),
+            StorageFormat::Rgba32Float => Some(ImageFormat::Rgba32Float),
+            StorageFormat::Rgba8Unorm => Some(ImageFormat::Rgba8Unorm),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 fn shape(module: &naga::Module, ty: naga::Handle<naga::Type>) -> Shape {

@@ -16,11 +16,16 @@ pub(super) fn place_resources(
             Access::Uniform => used.uniform = true,
             Access::HostOnly => used.host = true,
             Access::Indirect => used.indirect = true,
+            Access::Sampled | Access::Stored => used.image = true,
             _ => used.storage = true,
         }
     }
     for output in &graph.outputs {
-        usage.entry(output.resource).or_default().storage = true;
+        let used = usage.entry(output.resource).or_default();
+        match graph.resources[output.resource as usize].image {
+            Some(_) => used.image = true,
+            None => used.storage = true,
+        }
     }
     let mut place = HashMap::new();
     let mut resources = Vec::new();
@@ -28,15 +33,20 @@ pub(super) fn place_resources(
         let Some(&usage) = usage.get(&(i as u32)) else {
             continue;
         };
-        place.insert(i as u32, resources.len() as u32);
+        let home = resources.len() as u32;
+        place.insert(i as u32, home);
+        let bytes = declared
+            .len
+            .saturating_mul(u64::from(declared.element.size()));
         resources.push(Resource {
             key: declared.key.clone(),
             kind: declared.kind.clone(),
             element: declared.element.clone(),
             len: declared.len,
-            bytes: declared
-                .len
-                .saturating_mul(u64::from(declared.element.size())),
+            bytes,
+            image: declared.image,
+            home,
+            room: bytes,
             usage,
         });
     }

@@ -2,6 +2,7 @@
 mod dag;
 mod hazards;
 mod layout;
+mod share;
 mod validate;
 
 use crate::schedule::Output;
@@ -38,12 +39,11 @@ impl Graph {
             });
         }
         // 6. Place resources: the ones that live stages touch.
-        let (resources, place) = layout::place_resources(&self, &order);
+        let (mut resources, place) = layout::place_resources(&self, &order);
         // 7. Lay out steps, each clear right before the first use of its resource.
         let mut steps = layout::lay_out(&self, &order, &resources, &place);
-        // 8. Find hazards; barriers only where one is.
-        let edges = hazards::find_hazards(&mut steps, resources.len());
-        let outputs = self
+        // 8. Let transients share memory where their lifetimes do not meet.
+        let outputs: Vec<Output> = self
             .outputs
             .iter()
             .filter_map(|o| {
@@ -53,6 +53,15 @@ impl Graph {
                 })
             })
             .collect();
+        if self.shares {
+            let mut outlives = vec![false; resources.len()];
+            for output in &outputs {
+                outlives[output.resource as usize] = true;
+            }
+            share::share(&steps, &mut resources, &outlives);
+        }
+        // 9. Find hazards; barriers only where one is.
+        let edges = hazards::find_hazards(&mut steps, &resources);
         let dead = self.stages.iter().zip(&live).filter(|(_, live)| !**live);
         let removed = dead.map(|(stage, _)| stage.label.clone()).collect();
         Ok(Schedule {

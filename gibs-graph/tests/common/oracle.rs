@@ -1,5 +1,5 @@
 //! A second, slow opinion on schedules, which shares no code and no data structure with compilation.
-use gibs_graph::{Access, Action, DispatchSize, Schedule, Step};
+use gibs_graph::{Access, Action, DispatchSize, Kind, Schedule, Step};
 use std::collections::BTreeSet;
 
 /// A place in memory: a resource, and whether it is the allocation of the frame before.
@@ -15,11 +15,13 @@ pub fn touches(step: &Step) -> Vec<(Place, bool, bool)> {
         .bindings
         .iter()
         .map(|binding| match binding.access {
-            Access::Uniform | Access::Read | Access::HostOnly | Access::Indirect => {
-                ((binding.resource, false), true, false)
-            }
+            Access::Uniform
+            | Access::Read
+            | Access::HostOnly
+            | Access::Sampled
+            | Access::Indirect => ((binding.resource, false), true, false),
             Access::Previous => ((binding.resource, true), true, false),
-            Access::Write => ((binding.resource, false), false, true),
+            Access::Write | Access::Stored => ((binding.resource, false), false, true),
             Access::ReadWrite | Access::Atomic => ((binding.resource, false), true, true),
         })
         .collect();
@@ -29,7 +31,7 @@ pub fn touches(step: &Step) -> Vec<(Place, bool, bool)> {
     touches
 }
 
-/// Every pair of steps of which one writes what the other one touches, with the resource.
+/// Every pair of steps of which one writes memory that the other one touches, with what the later one calls it.
 pub fn conflicts(schedule: &Schedule) -> BTreeSet<(usize, usize, u32)> {
     let touched: Vec<_> = schedule.steps.iter().map(touches).collect();
     let mut found = BTreeSet::new();
@@ -37,8 +39,9 @@ pub fn conflicts(schedule: &Schedule) -> BTreeSet<(usize, usize, u32)> {
         for earlier in 0..later {
             for (a, _, a_writes) in &touched[earlier] {
                 for (b, _, b_writes) in &touched[later] {
-                    if a == b && (*a_writes || *b_writes) {
-                        found.insert((earlier, later, a.0));
+                    let home = |place: &Place| schedule.resources[place.0 as usize].home;
+                    if home(a) == home(b) && a.1 == b.1 && (*a_writes || *b_writes) {
+                        found.insert((earlier, later, b.0));
                     }
                 }
             }
@@ -55,6 +58,53 @@ pub fn unsettled(schedule: &Schedule) -> Vec<(usize, usize, u32)> {
         .into_iter()
         .filter(|&(earlier, later, _)| !settled(earlier, later))
         .collect()
+}
+
+/// Pairs of resources that are in each other's way in memory: both at home in one place, and one of them in use between
+/// the first and the last use of the other, needed after the frame, or larger than the place.
+pub fn collisions(schedule: &Schedule) -> Vec<(u32, u32)> {
+    let uses = |id: u32| -> Vec<usize> {
+        let steps = schedule.steps.iter().enumerate();
+        let touching = steps.filter(|(_, step)| touches(step).iter().any(|t| t.0.0 == id));
+        touching.map(|(i, _)| i).collect()
+    };
+    let passes = |id: u32| {
+        let kind = &schedule.resources[id as usize].kind;
+        matches!(kind, Kind::Transient | Kind::Zeroed)
+            && schedule.outputs.iter().all(|output| output.resource != id)
+    };
+    let all = 0..schedule.resources.len() as u32;
+    let mut found = Vec::new();
+    for a in all.clone() {
+        for b in all.clone().filter(|b| *b != a) {
+            let [one, other] = [a, b].map(|id| &schedule.resources[id as usize]);
+            if one.home != other.home {
+                continue;
+            }
+            let (first, then) = (uses(a), uses(b));
+            let apart = first.last() < then.first() || then.last() < first.first();
+            let fits = schedule.resources[one.home as usize].room >= one.bytes;
+            if !(apart && passes(a) && passes(b) && fits) {
+                found.push((a, b));
+            }
+        }
+    }
+    found
+}
+
+/// Some step reads a transient that no step before it has written: the order is wrong.
+pub fn reads_unwritten(schedule: &Schedule) -> bool {
+    let mut written = BTreeSet::new();
+    for step in &schedule.steps {
+        for ((id, before), reads, _) in touches(step) {
+            let transient = schedule.resources[id as usize].kind == Kind::Transient;
+            if transient && reads && !before && !written.contains(&id) {
+                return true;
+            }
+        }
+        written.extend(touches(step).iter().filter(|t| t.2).map(|t| t.0.0));
+    }
+    false
 }
 
 /// How a resource of a recorded frame starts.

@@ -1,5 +1,5 @@
 use super::*;
-use gibs_graph::{Stage, WgslSource};
+use gibs_graph::{ImageFormat, Stage, WgslSource};
 
 gibs_graph::element! {
     /// Sixteen bytes.
@@ -293,6 +293,7 @@ fn port(access: Access, element: Layout) -> Port {
         name: "x",
         access,
         element,
+        image: None,
     }
 }
 
@@ -395,7 +396,7 @@ fn every_kind_of_global_is_held_against_its_port() {
             port(Access::Read, U32),
             image,
             "_ = textureLoad(x, vec2<u32>(), 0);",
-            &["ports are buffers, and this is none"],
+            &["declared `var _: texture_2d<f32>`, but the port needs `var<storage, read>`"],
         ),
         (
             port(Access::Read, list()),
@@ -475,6 +476,7 @@ fn many(count: u32, space: &str, access: Access) -> Vec<String> {
         name,
         access,
         element: Layout::Vector(Scalar::U32, 4),
+        image: None,
     };
     check(text, &names.iter().map(port).collect::<Vec<_>>())
 }
@@ -554,4 +556,55 @@ mod copy {
     }
 
     fn kernel(_: &Views<'_>, _: gibs_graph::Workgroup) {}
+}
+
+/// A kernel with one image `x`, held against a port of a format.
+fn image(ty: &str, body: &str, format: ImageFormat) -> Vec<String> {
+    let text = format!(
+        "@group(0) @binding(0) var x: {ty};\n@compute @workgroup_size(64) fn main() {{ {body} }}"
+    );
+    let access = if format.is_stored() {
+        Access::Stored
+    } else {
+        Access::Sampled
+    };
+    let port = Port {
+        name: "x",
+        access,
+        element: format.value(),
+        image: Some(format),
+    };
+    check(text, &[port])
+}
+
+#[test]
+fn images_are_held_against_their_ports() {
+    let load = "_ = textureLoad(x, vec2(0u), 0);";
+    let store = "textureStore(x, vec2(0u), vec4(0.0));";
+    let stored = |format: &str| format!("texture_storage_2d<{format}, write>");
+    let good = [
+        ("texture_2d<f32>".to_string(), load, ImageFormat::Float),
+        ("texture_2d<u32>".into(), load, ImageFormat::Uint),
+        (stored("rgba16float"), store, ImageFormat::Rgba16Float),
+        (stored("rgba32float"), store, ImageFormat::Rgba32Float),
+        (stored("rgba8unorm"), store, ImageFormat::Rgba8Unorm),
+    ];
+    for (ty, body, format) in &good {
+        assert_eq!(image(ty, body, *format), [""; 0], "{ty}");
+        for (_, _, other) in good.iter().filter(|(_, _, other)| other != format) {
+            let found = image(ty, body, *other);
+            assert!(
+                found[0].contains("but the port needs"),
+                "{ty} for {other:?}: {found:?}"
+            );
+        }
+    }
+    let unused = image("texture_2d<f32>", "", ImageFormat::Float);
+    assert!(unused[0].contains("not used by `main`"), "{unused:?}");
+    let array = image(
+        "texture_2d_array<f32>",
+        "_ = textureLoad(x, vec2(0u), 0, 0);",
+        ImageFormat::Float,
+    );
+    assert!(array[0].contains("no port can be this"), "{array:?}");
 }

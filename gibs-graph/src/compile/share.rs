@@ -1,0 +1,58 @@
+//! Which transients share memory.
+use crate::schedule::Step;
+use crate::{Kind, Resource};
+
+/// First and last step that touch a resource.
+type Lifetime = (usize, usize);
+
+/// Lets transients whose lifetimes do not meet share memory. `outlives` says what is read after the frame.
+///
+/// Greedy over the steps: a transient takes, of the memory that is free when it is first touched, the smallest that is
+/// large enough, or else the largest, which then grows.
+pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool]) {
+    let lifetimes = lifetimes(steps, resources.len());
+    let mut sharing: Vec<(Lifetime, usize)> = resources
+        .iter()
+        .enumerate()
+        .filter(|(i, r)| {
+            let passes = matches!(r.kind, Kind::Transient | Kind::Zeroed);
+            passes && r.image.is_none() && r.usage.on_device() && !outlives[*i]
+        })
+        .filter_map(|(i, _)| Some((lifetimes[i]?, i)))
+        .collect();
+    // Of those that begin together, the large ones choose first.
+    sharing.sort_by_key(|&((first, _), i)| (first, std::cmp::Reverse(resources[i].bytes), i));
+    let mut homes: Vec<(usize, usize)> = Vec::new();
+    for ((first, last), i) in sharing {
+        let bytes = resources[i].bytes;
+        let free = homes.iter_mut().filter(|(_, until)| *until < first);
+        let best = free.min_by_key(|(home, _)| {
+            let room = resources[*home].room;
+            if room >= bytes {
+                (0, room)
+            } else {
+                (1, u64::MAX - room)
+            }
+        });
+        match best {
+            Some((home, until)) => {
+                *until = last;
+                resources[i].home = *home as u32;
+                resources[i].room = 0;
+                resources[*home].room = resources[*home].room.max(bytes);
+            }
+            None => homes.push((i, last)),
+        }
+    }
+}
+
+fn lifetimes(steps: &[Step], resources: usize) -> Vec<Option<Lifetime>> {
+    let mut lifetimes: Vec<Option<Lifetime>> = vec![None; resources];
+    for (i, step) in steps.iter().enumerate() {
+        for (resource, _) in step.touches() {
+            let lifetime = &mut lifetimes[resource as usize];
+            *lifetime = Some((lifetime.map_or(i, |(first, _)| first), i));
+        }
+    }
+    lifetimes
+}
