@@ -90,3 +90,19 @@ pub enum ViewError {
         remedy: &'static str,
     },
 }
+
+impl View {
+    /// What a camera sees, without sun or sky.
+    pub fn of(camera: Camera) -> Self {
+        Self {
+            scene: None,
+            camera,
+            resolution: DEFAULT_RESOLUTION,
+            sun: None,
+            environment: Environment::default(),
+            animation: Vec::new(),
+            exposure: 1.0,
+            warnings: Vec::new(),
+        }
+    }
+}
