@@ -55,6 +55,41 @@ impl Barrier {
     }
 }
 
+/// Records that a frame starts behind everything that the queue did before, also on behalf of a host.
+///
+/// # Safety
+/// `commands` is a command buffer of `device` that is being recorded.
+pub(crate) unsafe fn open_frame(device: &ash::Device, commands: vk::CommandBuffer) {
+    let memory = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(Barrier::FULL.to)];
+    let (from, flags) = (
+        vk::PipelineStageFlags::ALL_COMMANDS,
+        vk::DependencyFlags::empty(),
+    );
+    // SAFETY: the caller's promise; the accesses are ones that these stages make.
+    unsafe { device.cmd_pipeline_barrier(commands, from, ALL_STAGES, flags, &memory, &[], &[]) };
+}
+
+/// Records that what a frame wrote is visible to what a host does next.
+///
+/// # Safety
+/// `commands` is a command buffer of `device` that is being recorded; its queue has the stages, which make the
+/// accesses.
+pub(crate) unsafe fn close_frame(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    stage: vk::PipelineStageFlags,
+    access: vk::AccessFlags,
+) {
+    let memory = [vk::MemoryBarrier::default()
+        .src_access_mask(WRITES)
+        .dst_access_mask(access)];
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: the caller's promise.
+    unsafe { device.cmd_pipeline_barrier(commands, ALL_STAGES, stage, flags, &memory, &[], &[]) };
+}
+
 /// The barrier before each step of a schedule, where it needs one.
 ///
 /// The schedule lists a hazard only against steps since the last barrier, taking for granted that a barrier settles
@@ -83,15 +118,16 @@ pub(crate) fn plan(schedule: &Schedule) -> Vec<Option<Barrier>> {
     plan
 }
 
-/// How a step touches a resource.
+/// How a step touches the memory of a resource, whichever of those that share it the step names.
 fn accesses(schedule: &Schedule, step: u32, resource: ResourceId) -> vk::AccessFlags {
+    let home = |resource: ResourceId| schedule.resources[resource as usize].home;
     let step = &schedule.steps[step as usize];
     if matches!(step.action, Action::Clear(_)) {
         return vk::AccessFlags::TRANSFER_WRITE;
     }
     step.touches()
         .into_iter()
-        .filter(|(touched, _)| *touched == resource)
+        .filter(|(touched, _)| home(*touched) == home(resource))
         .fold(vk::AccessFlags::empty(), |flags, (_, access)| {
             flags | flags_of(access)
         })
@@ -100,8 +136,8 @@ fn accesses(schedule: &Schedule, step: u32, resource: ResourceId) -> vk::AccessF
 fn flags_of(access: Access) -> vk::AccessFlags {
     match access {
         Access::Uniform => vk::AccessFlags::UNIFORM_READ,
-        Access::Read | Access::Previous => vk::AccessFlags::SHADER_READ,
-        Access::Write => vk::AccessFlags::SHADER_WRITE,
+        Access::Read | Access::Previous | Access::Sampled => vk::AccessFlags::SHADER_READ,
+        Access::Write | Access::Stored => vk::AccessFlags::SHADER_WRITE,
         Access::ReadWrite | Access::Atomic => {
             vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE
         }

@@ -1,157 +1,198 @@
-//! Descriptor sets: the ports of every stage bound to buffers, for frames of both parities.
+//! Descriptor sets: the ports of every stage bound to buffers and images.
+//!
+//! A set is written once, when what it binds is first bound together, and kept: frames under way may use it.
+use crate::bound::Bound;
 use crate::device::Device;
-use crate::kernels::Kernel;
-use crate::storage::Store;
+use crate::kernels::{Kernel, Slot};
+use crate::pools::{Need, Pools};
 use ash::vk;
+use ash::vk::Handle;
 use gibs_graph::{Access, BackendError, DispatchStep, Kind, Schedule};
 use std::sync::Arc;
 
 /// The sets of a schedule.
 pub(crate) struct Descriptors {
-    pool: vk::DescriptorPool,
-    /// Per step, a set for even and one for odd frames; the same one where no history is bound, null where nothing is.
-    sets: Vec<[vk::DescriptorSet; 2]>,
+    /// Of each step, every set that was made so far.
+    sets: Vec<Vec<Set>>,
+    /// One entry per step.
+    kernels: Vec<Option<Arc<Kernel>>>,
+    pools: Pools,
+    /// What a set that is looked for binds.
+    handles: Vec<u64>,
     device: Arc<Device>,
 }
 
+/// A set, and the buffers and views that it binds, in the order of the kernel's slots.
+struct Set {
+    raw: vk::DescriptorSet,
+    handles: Box<[u64]>,
+    /// It binds something that a host lent.
+    lent: bool,
+}
+
+/// What a slot is bound to.
+enum Target {
+    Buffer([vk::DescriptorBufferInfo; 1]),
+    Image([vk::DescriptorImageInfo; 1]),
+}
+
 impl Descriptors {
-    /// Makes and writes all sets. `kernels` has one entry per step.
+    /// Makes the sets of all steps without images, for frames of both parities. Images may not be there yet.
     pub fn new(
         device: &Arc<Device>,
         schedule: &Schedule,
-        kernels: &[Option<Arc<Kernel>>],
-        stores: &[Option<Store>],
+        kernels: Vec<Option<Arc<Kernel>>>,
+        bound: Bound<'_>,
     ) -> Result<Self, BackendError> {
-        let (mut storage, mut uniform, mut sets) = (0, 0, 0);
+        let (mut own, mut lent) = (Need::default(), Need::default());
         for (i, _, dispatch) in schedule.dispatches() {
-            let copies = copies(schedule, dispatch);
-            for slot in kernels[i].iter().flat_map(|kernel| &kernel.slots) {
-                match slot.kind {
-                    vk::DescriptorType::UNIFORM_BUFFER => uniform += copies,
-                    _ => storage += copies,
-                }
-            }
-            sets += copies;
+            let slots = kernels[i].iter().flat_map(|kernel| &kernel.slots);
+            let one = Need::of(slots.map(|slot| slot.kind));
+            let (copies, may_be_lent) = uses(schedule, dispatch);
+            own.add(one, copies);
+            // For two images or buffers that take turns.
+            lent.add(one, 2 * copies * u32::from(may_be_lent));
         }
         let mut made = Self {
-            pool: create_pool(device, sets, storage, uniform)?,
-            sets: vec![[vk::DescriptorSet::null(); 2]; schedule.steps.len()],
+            sets: schedule.steps.iter().map(|_| Vec::new()).collect(),
+            kernels,
+            pools: Pools::new(device, own, lent)?,
+            handles: Vec::new(),
             device: Arc::clone(device),
         };
         for (i, _, dispatch) in schedule.dispatches() {
-            let Some(kernel) = kernels[i]
-                .as_deref()
-                .filter(|kernel| !kernel.slots.is_empty())
-            else {
-                continue;
-            };
-            let even = made.write(schedule, dispatch, kernel, stores, 0)?;
-            let odd = match copies(schedule, dispatch) {
-                1 => even,
-                _ => made.write(schedule, dispatch, kernel, stores, 1)?,
-            };
-            made.sets[i] = [even, odd];
+            if !dispatch.ports.iter().any(|p| p.access.is_image()) {
+                for parity in 0..2 {
+                    made.set(schedule, i, dispatch, bound, parity)?;
+                }
+            }
         }
         Ok(made)
     }
 
-    /// The sets of a step, for even and odd frames.
-    pub fn of(&self, step: usize) -> [vk::DescriptorSet; 2] {
-        self.sets[step]
+    /// The set of a step for frames of this parity, with what is bound now; null for a step that binds nothing.
+    pub fn set(
+        &mut self,
+        schedule: &Schedule,
+        step: usize,
+        dispatch: &DispatchStep,
+        bound: Bound<'_>,
+        parity: usize,
+    ) -> Result<vk::DescriptorSet, BackendError> {
+        let Some(kernel) = self.kernels[step]
+            .as_ref()
+            .filter(|kernel| !kernel.slots.is_empty())
+            .map(Arc::clone)
+        else {
+            return Ok(vk::DescriptorSet::null());
+        };
+        self.handles.clear();
+        let mut lent = false;
+        for slot in &kernel.slots {
+            let binding = &dispatch.bindings[slot.port];
+            lent |= bound.imports.get(binding.resource).is_some();
+            let handle = match target(schedule, dispatch, slot, bound, parity) {
+                Some(Target::Buffer([info])) => info.buffer.as_raw(),
+                Some(Target::Image([info])) => info.image_view.as_raw(),
+                None => 0,
+            };
+            self.handles.push(handle);
+        }
+        let known = self.sets[step].iter();
+        if let Some(set) = known.into_iter().find(|set| *set.handles == *self.handles) {
+            return Ok(set.raw);
+        }
+        let raw = self.pools.allocate(kernel.set_layout, lent)?;
+        self.write(raw, schedule, dispatch, &kernel, bound, parity);
+        self.sets[step].push(Set {
+            raw,
+            handles: self.handles.as_slice().into(),
+            lent,
+        });
+        Ok(raw)
+    }
+
+    /// Frees every set with something lent.
+    ///
+    /// # Safety
+    /// No work that uses them is under way, and none is recorded that will.
+    pub unsafe fn forget(&mut self) -> Result<(), BackendError> {
+        for sets in &mut self.sets {
+            sets.retain(|set| !set.lent);
+        }
+        // SAFETY: the caller's promise.
+        unsafe { self.pools.forget() }
     }
 
     fn write(
         &self,
+        set: vk::DescriptorSet,
         schedule: &Schedule,
         dispatch: &DispatchStep,
         kernel: &Kernel,
-        stores: &[Option<Store>],
+        bound: Bound<'_>,
         parity: usize,
-    ) -> Result<vk::DescriptorSet, BackendError> {
-        let layouts = [kernel.set_layout];
-        let info = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(self.pool)
-            .set_layouts(&layouts);
-        // SAFETY: the pool was made for these sets, the layout belongs to this device.
-        let set = unsafe { self.device.raw.allocate_descriptor_sets(&info) }
-            .map_err(self.device.fail("vkAllocateDescriptorSets"))?[0];
-        let mut buffers = Vec::with_capacity(kernel.slots.len());
-        for slot in &kernel.slots {
-            let binding = &dispatch.bindings[slot.port];
-            let resource = &schedule.resources[binding.resource as usize];
-            let Some(store) = &stores[binding.resource as usize] else {
-                continue;
-            };
-            let (buffer, range) = match binding.access {
-                Access::Previous => (store.previous(parity), resource.bytes),
-                Access::Uniform => (store.current(parity), resource.element.size().into()),
-                _ => (store.current(parity), resource.bytes),
-            };
-            // The exact size, not the allocation's, because WGSL's arrayLength comes from it.
-            let info = vk::DescriptorBufferInfo::default()
-                .buffer(buffer.raw)
-                .range(range);
-            buffers.push((slot, [info]));
-        }
-        let writes: Vec<_> = buffers
+    ) {
+        let targets: Vec<_> = kernel
+            .slots
             .iter()
-            .map(|(slot, info)| {
-                vk::WriteDescriptorSet::default()
+            .filter_map(|slot| Some((slot, target(schedule, dispatch, slot, bound, parity)?)))
+            .collect();
+        let writes: Vec<_> = targets
+            .iter()
+            .map(|(slot, target)| {
+                let write = vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(slot.binding)
-                    .descriptor_type(slot.kind)
-                    .buffer_info(info)
+                    .descriptor_type(slot.kind);
+                match target {
+                    Target::Buffer(info) => write.buffer_info(info),
+                    Target::Image(info) => write.image_info(info),
+                }
             })
             .collect();
-        // SAFETY: the set was just made and is not in use; the buffers are alive and as large as the ranges.
+        // SAFETY: the set was just made and is not in use; what it binds is alive, and buffers are as large as the
+        // ranges.
         unsafe { self.device.raw.update_descriptor_sets(&writes, &[]) };
-        Ok(set)
     }
 }
 
-impl Drop for Descriptors {
-    fn drop(&mut self) {
-        // SAFETY: the executable waited for its work before dropping its sets; destroyed once.
-        unsafe { self.device.raw.destroy_descriptor_pool(self.pool, None) };
+/// What a slot is to be bound to.
+fn target(
+    schedule: &Schedule,
+    dispatch: &DispatchStep,
+    slot: &Slot,
+    bound: Bound<'_>,
+    parity: usize,
+) -> Option<Target> {
+    let binding = &dispatch.bindings[slot.port];
+    let resource = &schedule.resources[binding.resource as usize];
+    if binding.access.is_image() {
+        let (view, layout) = bound.view(binding.resource)?;
+        let info = vk::DescriptorImageInfo::default()
+            .image_view(view)
+            .image_layout(layout);
+        return Some(Target::Image([info]));
     }
+    let (parity, range) = match binding.access {
+        Access::Previous => (parity + 1, resource.bytes),
+        Access::Uniform => (parity, resource.element.size().into()),
+        _ => (parity, resource.bytes),
+    };
+    // The exact size, not the allocation's, because WGSL's arrayLength comes from it.
+    let info = vk::DescriptorBufferInfo::default()
+        .buffer(bound.buffer(binding.resource, parity)?)
+        .range(range);
+    Some(Target::Buffer([info]))
 }
 
-/// How many sets a stage needs.
-fn copies(schedule: &Schedule, dispatch: &DispatchStep) -> u32 {
-    let rotates = dispatch
-        .bindings
-        .iter()
-        .filter(|b| b.access.is_bound())
-        .any(|b| {
-            matches!(
-                schedule.resources[b.resource as usize].kind,
-                Kind::History(_)
-            )
-        });
-    if rotates { 2 } else { 1 }
-}
-
-fn create_pool(
-    device: &Device,
-    sets: u32,
-    storage: u32,
-    uniform: u32,
-) -> Result<vk::DescriptorPool, BackendError> {
-    let sizes: Vec<_> = [
-        (vk::DescriptorType::STORAGE_BUFFER, storage),
-        (vk::DescriptorType::UNIFORM_BUFFER, uniform),
-    ]
-    .into_iter()
-    .filter(|(_, count)| *count > 0)
-    .map(|(ty, descriptor_count)| vk::DescriptorPoolSize {
-        ty,
-        descriptor_count,
-    })
-    .collect();
-    let info = vk::DescriptorPoolCreateInfo::default()
-        .max_sets(sets.max(1))
-        .pool_sizes(&sizes);
-    // SAFETY: the device is alive; `info` points to a local.
-    unsafe { device.raw.create_descriptor_pool(&info, None) }
-        .map_err(device.fail("vkCreateDescriptorPool"))
+/// How many sets a stage needs, and whether a host may lend what it binds.
+fn uses(schedule: &Schedule, dispatch: &DispatchStep) -> (u32, bool) {
+    let (mut rotates, mut may_be_lent) = (false, false);
+    for binding in dispatch.bindings.iter().filter(|b| b.access.is_bound()) {
+        let resource = &schedule.resources[binding.resource as usize];
+        rotates |= matches!(resource.kind, Kind::History(_));
+        may_be_lent |= resource.image.is_some() || resource.kind == Kind::Input;
+    }
+    (if rotates { 2 } else { 1 }, may_be_lent)
 }

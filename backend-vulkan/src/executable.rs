@@ -1,44 +1,51 @@
 //! A schedule that is ready to run on a Vulkan device.
+use crate::barriers::{Barrier, open_frame};
+use crate::bound::Bound;
 use crate::descriptors::Descriptors;
 use crate::device::Device;
+use crate::imports::Imports;
 use crate::kernels;
+use crate::pending::Pending;
 use crate::record::Program;
-use crate::storage::{Store, allocate};
+use crate::storage::Stores;
 use crate::stream::Stream;
 use crate::timing::Timer;
 use ash::vk;
-use gibs_graph::{
-    BackendError, Executable, Kind, Resource, ResourceId, Schedule, StepTime, check_range,
-};
+use gibs_graph::{BackendError, Executable, Resource, ResourceId, Schedule, StepTime, check_range};
 use std::any::Any;
 use std::sync::Arc;
 
-/// A schedule with its buffers, pipelines and command buffers.
+/// A schedule with its buffers, images, pipelines and command buffers.
 ///
 /// Frames alternate between even and odd parity, which decides which allocation of a history is the current one. Each
 /// parity has its command buffer, recorded once, so that up to two frames are under way.
+///
+/// A host may lend images and buffers ([`VulkanExecutable::import_image`], [`VulkanExecutable::import_buffer`]) and
+/// have frames recorded into command buffers of its own ([`VulkanExecutable::record`]).
 pub struct VulkanExecutable {
-    schedule: Arc<Schedule>,
+    pub(crate) schedule: Arc<Schedule>,
     /// First, so that it waits for all work before anything else goes.
-    stream: Stream,
-    program: Program,
-    frames: [Frame; 2],
+    pub(crate) stream: Stream,
+    pub(crate) program: Program,
+    pub(crate) frames: [Frame; 2],
     /// Parity of the last frame.
-    parity: usize,
-    measuring: bool,
-    timer: Option<Timer>,
-    /// Held for as long as the program refers to them.
-    _descriptors: Descriptors,
-    stores: Vec<Option<Store>>,
+    pub(crate) parity: usize,
+    pub(crate) measuring: bool,
+    pub(crate) timer: Option<Timer>,
+    pub(crate) descriptors: Descriptors,
+    pub(crate) imports: Imports,
+    /// What the host does after a frame that it has recorded.
+    pub(crate) exit: (vk::PipelineStageFlags, vk::AccessFlags),
+    pub(crate) stores: Stores,
 }
 
 /// The command buffer for frames of one parity.
-struct Frame {
+pub(crate) struct Frame {
     commands: vk::CommandBuffer,
     /// Submission that it was last part of.
     last: u64,
     /// Recorded, and whether with timestamps.
-    recorded: Option<bool>,
+    pub recorded: Option<bool>,
 }
 
 impl VulkanExecutable {
@@ -54,7 +61,12 @@ impl VulkanExecutable {
         if let Some(mut old) = old {
             old.stream.finish()?;
             for (from, to) in schedule.adoptions(&old.schedule) {
-                if let Some(mut store) = old.stores[from as usize].take() {
+                let image = |of: &Schedule, id: ResourceId| of.resources[id as usize].image;
+                // An image of another shape may have as many texels, and a buffer as many elements.
+                if image(&schedule, to) != image(&old.schedule, from) {
+                    continue;
+                }
+                if let Some(mut store) = old.stores.take(from) {
                     // The first frame after this one is odd, so what is current now is current for even parity.
                     if old.parity == 1 {
                         store.swap();
@@ -65,12 +77,17 @@ impl VulkanExecutable {
             // The rest goes here, before anything new is allocated.
         }
         // Before the stream, so that after an error below the stream goes first and waits for its work.
-        let mut stores = Vec::with_capacity(schedule.resources.len());
+        let mut stores = Stores::new(&schedule);
         let mut stream = Stream::new(device)?;
-        allocate(device, &schedule, adopted, &mut stream, &mut stores)?;
+        stores.fill(&schedule, adopted, &mut stream)?;
         stream.submit(None)?;
-        let descriptors = Descriptors::new(device, &schedule, &kernels, &stores)?;
-        let program = Program::new(&schedule, &kernels, &stores, &descriptors);
+        let imports = Imports::default();
+        let bound = Bound {
+            stores: &stores,
+            imports: &imports,
+        };
+        let program = Program::new(&schedule, &kernels, bound);
+        let descriptors = Descriptors::new(device, &schedule, kernels, bound)?;
         let frame = |stream: &Stream| {
             let commands = stream.allocate()?;
             Ok(Frame {
@@ -87,7 +104,12 @@ impl VulkanExecutable {
             parity: 0,
             measuring: false,
             timer: None,
-            _descriptors: descriptors,
+            descriptors,
+            imports,
+            exit: (
+                vk::PipelineStageFlags::ALL_COMMANDS,
+                vk::AccessFlags::MEMORY_READ,
+            ),
             stores,
         })
     }
@@ -97,29 +119,50 @@ impl VulkanExecutable {
         &self.stream.device
     }
 
-    /// The Vulkan buffer of a resource, of a history the current allocation, for engines that use it in place. `None`
-    /// where the device has none. It stays valid until the executable is dropped or adopted from, and its content is
-    /// that of the last frame once [`Executable::wait`] returned.
-    pub fn buffer(&self, resource: ResourceId) -> Option<vk::Buffer> {
-        let store = self.stores.get(resource as usize)?.as_ref()?;
-        Some(store.current(self.parity).raw)
+    /// Makes what frames of this parity refer to what is bound now.
+    pub(crate) fn resolve(&mut self, parity: usize) -> Result<(), BackendError> {
+        if self.program.is_resolved(parity, &self.imports) {
+            return Ok(());
+        }
+        for (id, resource) in (0..).zip(&self.schedule.resources) {
+            if resource.image.is_some() && self.imports.get(id).is_none() {
+                self.stores.make_image(id, resource, &mut self.stream)?;
+            }
+        }
+        // What is recorded refers to the bindings before.
+        self.frames[parity].recorded = None;
+        let bound = Bound {
+            stores: &self.stores,
+            imports: &self.imports,
+        };
+        self.program
+            .resolve(&self.schedule, &mut self.descriptors, bound, parity)
     }
 
-    fn record(&mut self, parity: usize) -> Result<(), BackendError> {
+    /// The timer, where frames are measured and the device can.
+    pub(crate) fn start_timer(&mut self) -> Result<(), BackendError> {
         if self.measuring && self.timer.is_none() {
             self.timer = Timer::new(&self.stream.device, self.schedule.steps.len())?;
         }
+        Ok(())
+    }
+
+    /// Records the command buffer for frames of this parity.
+    fn prepare_frame(&mut self, parity: usize) -> Result<(), BackendError> {
+        self.start_timer()?;
         let timer = self.timer.as_ref().filter(|_| self.measuring);
         let device = &self.stream.device;
         let frame = &mut self.frames[parity];
         frame.recorded = None;
         // SAFETY: the command buffer is not pending (its last submission was waited for), recording it again resets
-        // it, and everything that the program refers to lives as long as this value, which waits when it is dropped.
+        // it, and everything that the program refers to lives as long as this value, which waits when it is dropped,
+        // or was lent for as long as frames may use it.
         unsafe {
             device
                 .raw
                 .begin_command_buffer(frame.commands, &vk::CommandBufferBeginInfo::default())
                 .map_err(device.fail("vkBeginCommandBuffer"))?;
+            open_frame(&device.raw, frame.commands);
             self.program
                 .record_frame(device, frame.commands, parity, timer);
             device
@@ -144,23 +187,38 @@ impl Executable for VulkanExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
-        match &self.stores[resource as usize] {
-            Some(store) => self.stream.write(store.current(self.parity), offset, bytes),
-            // Only CPU kernels read it.
-            None => Ok(()),
+        self.refuse_lent(resource, "written")?;
+        if bytes.is_empty() {
+            return Ok(());
         }
+        if self.schedule.resources[resource as usize].image.is_some() {
+            return self.upload_image(resource, offset, bytes);
+        }
+        let Some(target) = self.stores.buffer(resource, self.parity) else {
+            // Only CPU kernels read it.
+            return Ok(());
+        };
+        if !Pending::takes(offset, bytes.len()) {
+            return self.stream.write(target, offset, bytes);
+        }
+        if !self.stream.pending.has_room(bytes.len()) {
+            self.stream.batch()?;
+        }
+        self.stream.pending.hold(target, offset, bytes);
+        Ok(())
     }
 
     fn run(&mut self) -> Result<(), BackendError> {
         let parity = 1 - self.parity;
         self.stream.wait(self.frames[parity].last)?;
+        self.resolve(parity)?;
         if self.frames[parity].recorded != Some(self.measuring) {
-            self.record(parity)?;
+            self.prepare_frame(parity)?;
         }
         let frame = &mut self.frames[parity];
         frame.last = self.stream.submit(Some(frame.commands))?;
         if let Some(timer) = self.timer.as_mut().filter(|_| self.measuring) {
-            timer.submitted(parity, frame.last);
+            timer.submitted(parity, Some(frame.last));
         }
         self.parity = parity;
         Ok(())
@@ -176,20 +234,29 @@ impl Executable for VulkanExecutable {
                 end: step as u64,
             });
         }
+        self.resolve(self.parity)?;
         let commands = self.stream.batch()?;
         // SAFETY: the batch is being recorded; as for frames, everything outlives the work.
         unsafe {
+            let device = &self.stream.device;
+            Barrier::FULL.record(&device.raw, commands);
             self.program
-                .record_step(&self.stream.device, commands, self.parity, step)
+                .record_step(device, commands, self.parity, step)
         };
         self.stream.submit(None).map(drop)
     }
 
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
         check_range(&self.schedule, resource, 0, 0)?;
-        let Resource { key, bytes, .. } = &self.schedule.resources[resource as usize];
-        match &self.stores[resource as usize] {
-            Some(store) => self.stream.read(store.current(self.parity), *bytes),
+        self.refuse_lent(resource, "read")?;
+        let Resource {
+            key, bytes, image, ..
+        } = &self.schedule.resources[resource as usize];
+        if image.is_some() {
+            return self.read_image(resource);
+        }
+        match self.stores.buffer(resource, self.parity) {
+            Some(buffer) => self.stream.read(buffer, *bytes),
             None => {
                 // The device has no byte of it.
                 let (resource, end) = (key.clone(), *bytes);
@@ -204,12 +271,7 @@ impl Executable for VulkanExecutable {
     }
 
     fn reset(&mut self) -> Result<(), BackendError> {
-        for (store, resource) in self.stores.iter().zip(&self.schedule.resources) {
-            if let (Some(store), Kind::State(_) | Kind::History(_)) = (store, &resource.kind) {
-                store.initialize(&mut self.stream, resource)?;
-            }
-        }
-        Ok(())
+        self.stores.reset(&self.schedule, &mut self.stream)
     }
 
     fn wait(&mut self) -> Result<(), BackendError> {
@@ -224,9 +286,8 @@ impl Executable for VulkanExecutable {
         let Some(timer) = &self.timer else {
             return Ok(None);
         };
-        match timer.last() {
-            Some(number) => self.stream.wait(number)?,
-            None => return Ok(None),
+        if let Some(Some(number)) = timer.last() {
+            self.stream.wait(number)?;
         }
         timer.read()
     }

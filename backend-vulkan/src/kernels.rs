@@ -33,8 +33,8 @@ struct Key {
     name: &'static str,
     text: &'static str,
     features: &'static [&'static str],
-    /// Each port and whether it is a uniform.
-    ports: Vec<(&'static str, bool)>,
+    /// Each port and how it is bound.
+    ports: Vec<(&'static str, vk::DescriptorType)>,
 }
 
 /// Every kernel that was built on a device.
@@ -119,6 +119,16 @@ fn build_all(
     built.into_iter().map(|(_, kernel)| kernel).collect()
 }
 
+/// How a port is bound.
+fn kind_of(access: Access) -> vk::DescriptorType {
+    match access {
+        Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+        Access::Sampled => vk::DescriptorType::SAMPLED_IMAGE,
+        Access::Stored => vk::DescriptorType::STORAGE_IMAGE,
+        _ => vk::DescriptorType::STORAGE_BUFFER,
+    }
+}
+
 impl Key {
     fn of(dispatch: &DispatchStep) -> Self {
         let wgsl = &dispatch.kernel.wgsl;
@@ -127,9 +137,7 @@ impl Key {
             name: wgsl.name,
             text: wgsl.text,
             features: wgsl.features,
-            ports: bound
-                .map(|p| (p.name, p.access == Access::Uniform))
-                .collect(),
+            ports: bound.map(|p| (p.name, kind_of(p.access))).collect(),
         }
     }
 }
@@ -173,14 +181,10 @@ impl Kernel {
                     declared.name
                 ))
             })?;
-            let kind = match declared.access {
-                Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-                _ => vk::DescriptorType::STORAGE_BUFFER,
-            };
             slots.push(Slot {
                 port,
                 binding,
-                kind,
+                kind: kind_of(declared.access),
             });
         }
         let mut kernel = Self {

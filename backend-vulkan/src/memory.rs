@@ -49,22 +49,13 @@ impl Buffer {
         usage: vk::BufferUsageFlags,
         location: MemoryLocation,
     ) -> Result<Self, BackendError> {
-        let out_of_memory = || BackendError::OutOfMemory {
-            device: device.adapter.info.name.clone(),
-            resource: name.into(),
-            bytes: size,
-        };
         let info = vk::BufferCreateInfo::default()
             .size(size)
             .usage(usage)
             .sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the device is alive, and the size was checked against its limits.
-        let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(|e| match e {
-            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                out_of_memory()
-            }
-            e => device.fail("vkCreateBuffer")(e),
-        })?;
+        let raw = unsafe { device.raw.create_buffer(&info, None) }
+            .map_err(|e| not_made(device, "vkCreateBuffer", name, size, e))?;
         // From here on dropping the value gives back what it has.
         let mut buffer = Self {
             raw,
@@ -75,26 +66,7 @@ impl Buffer {
         device.name(raw, name);
         // SAFETY: the buffer was made by this device.
         let requirements = unsafe { device.raw.get_buffer_memory_requirements(raw) };
-        let allocated = device.allocator().as_mut().map(|allocator| {
-            allocator.allocate(&AllocationCreateDesc {
-                name,
-                requirements,
-                location,
-                linear: true,
-                allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-            })
-        });
-        let memory = match allocated {
-            Some(Ok(memory)) => memory,
-            None | Some(Err(AllocationError::OutOfMemory)) => return Err(out_of_memory()),
-            Some(Err(e)) => {
-                let device = device.adapter.info.name.clone();
-                return Err(BackendError::Device {
-                    device,
-                    message: format!("memory for `{name}`: {e}"),
-                });
-            }
-        };
+        let memory = allocate(device, name, requirements, location, true)?;
         // SAFETY: the memory was allocated for the requirements of this buffer, which has no memory yet.
         let bound = unsafe {
             device
@@ -119,11 +91,67 @@ impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: whoever holds a buffer waits for the work that uses it before dropping it; destroyed once.
         unsafe { self.device.raw.destroy_buffer(self.raw, None) };
-        if let (Some(memory), Some(allocator)) =
-            (self.memory.take(), self.device.allocator().as_mut())
-        {
-            // It fails only for memory of another allocator.
-            let _ = allocator.free(memory);
+        free(&self.device, self.memory.take());
+    }
+}
+
+/// Why a buffer or an image of `bytes` bytes was not made.
+pub(crate) fn not_made(
+    device: &Device,
+    call: &'static str,
+    name: &str,
+    bytes: u64,
+    error: vk::Result,
+) -> BackendError {
+    match error {
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            out_of_memory(device, name, bytes)
         }
+        error => device.fail(call)(error),
+    }
+}
+
+/// Memory for a buffer (`linear`) or an image called `name`.
+pub(crate) fn allocate(
+    device: &Device,
+    name: &str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    linear: bool,
+) -> Result<Allocation, BackendError> {
+    let allocated = device.allocator().as_mut().map(|allocator| {
+        allocator.allocate(&AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        })
+    });
+    match allocated {
+        Some(Ok(memory)) => Ok(memory),
+        None | Some(Err(AllocationError::OutOfMemory)) => {
+            Err(out_of_memory(device, name, requirements.size))
+        }
+        Some(Err(e)) => Err(BackendError::Device {
+            device: device.adapter.info.name.clone(),
+            message: format!("memory for `{name}`: {e}"),
+        }),
+    }
+}
+
+/// Gives memory back.
+pub(crate) fn free(device: &Device, memory: Option<Allocation>) {
+    if let (Some(memory), Some(allocator)) = (memory, device.allocator().as_mut()) {
+        // It fails only for memory of another allocator.
+        let _ = allocator.free(memory);
+    }
+}
+
+fn out_of_memory(device: &Device, name: &str, bytes: u64) -> BackendError {
+    BackendError::OutOfMemory {
+        device: device.adapter.info.name.clone(),
+        resource: name.into(),
+        bytes,
     }
 }

@@ -1,20 +1,24 @@
 //! Steps as commands.
 use crate::barriers::{Barrier, plan};
+use crate::bound::Bound;
 use crate::descriptors::Descriptors;
 use crate::device::Device;
+use crate::imports::Imports;
 use crate::kernels::Kernel;
-use crate::storage::Store;
 use crate::timing::Timer;
 use ash::vk;
-use gibs_graph::{Action, DispatchSize, DispatchStep, ResourceId, Schedule};
+use gibs_graph::{Action, BackendError, DispatchSize, DispatchStep, Schedule};
 use std::ffi::CString;
 use std::sync::Arc;
 
-/// A schedule resolved to handles, for frames of both parities. The handles belong to the executable that holds it.
+/// A schedule resolved to handles, for frames of both parities. The handles belong to the executable that holds it, or
+/// to its host.
 pub(crate) struct Program {
     steps: Vec<Command>,
     barriers: Vec<Option<Barrier>>,
     labels: Vec<CString>,
+    /// Of each parity, what a host lent when its handles were looked up; `None` before that.
+    resolved: [Option<Imports>; 2],
 }
 
 /// What a step does on the device. Arrays have an entry for even and one for odd frames.
@@ -39,40 +43,30 @@ enum Size {
 }
 
 impl Program {
-    /// Resolves every step. `kernels` has an entry per step, `stores` one per resource.
-    pub fn new(
-        schedule: &Schedule,
-        kernels: &[Option<Arc<Kernel>>],
-        stores: &[Option<Store>],
-        descriptors: &Descriptors,
-    ) -> Self {
-        let store = |resource: ResourceId| stores[resource as usize].as_ref();
+    /// Turns every step into a command. `kernels` has an entry per step.
+    pub fn new(schedule: &Schedule, kernels: &[Option<Arc<Kernel>>], bound: Bound<'_>) -> Self {
         let dispatch = |i: usize, dispatch: &DispatchStep| {
             let kernel = kernels[i].as_deref()?;
             let size = match dispatch.size {
                 DispatchSize::Groups(groups) if groups.contains(&0) => return None,
                 DispatchSize::Groups(groups) => Size::Groups(groups),
-                DispatchSize::Indirect(resource) => {
-                    let store = store(resource)?;
-                    Size::Indirect([store.current(0).raw, store.current(1).raw])
-                }
+                DispatchSize::Indirect(_) => Size::Indirect(Default::default()),
             };
             let (pipeline, layout) = (kernel.pipeline, kernel.layout);
             Some(Command::Dispatch {
                 pipeline,
                 layout,
-                sets: descriptors.of(i),
+                sets: Default::default(),
                 size,
             })
         };
         let steps = schedule.steps.iter().enumerate().map(|(i, step)| {
             let command = match &step.action {
-                Action::Clear(resource) => store(*resource).map(|store| {
-                    let buffer = store.current(0);
-                    Command::Clear {
-                        buffer: buffer.raw,
-                        size: buffer.size,
-                    }
+                Action::Clear(id) => bound.buffer(*id, 0).map(|buffer| {
+                    // Beyond these bytes may be those of a resource that shares the memory and lives on.
+                    let bytes = schedule.resources[*id as usize].bytes;
+                    let size = bytes.next_multiple_of(4);
+                    Command::Clear { buffer, size }
                 }),
                 Action::Dispatch(step) => dispatch(i, step),
             };
@@ -86,13 +80,48 @@ impl Program {
             steps: steps.collect(),
             barriers: plan(schedule),
             labels: labels.map(Result::unwrap_or_default).collect(),
+            resolved: [None, None],
         }
     }
 
-    /// Records a whole frame of one parity.
+    /// Frames of this parity use what is lent now.
+    pub fn is_resolved(&self, parity: usize, imports: &Imports) -> bool {
+        self.resolved[parity].as_ref() == Some(imports)
+    }
+
+    /// Looks up what frames of this parity bind. All memory that is not lent must be there.
+    pub fn resolve(
+        &mut self,
+        schedule: &Schedule,
+        descriptors: &mut Descriptors,
+        bound: Bound<'_>,
+        parity: usize,
+    ) -> Result<(), BackendError> {
+        let mut before = self.resolved[parity].take();
+        for (i, _, dispatch) in schedule.dispatches() {
+            let Command::Dispatch { sets, size, .. } = &mut self.steps[i] else {
+                continue;
+            };
+            sets[parity] = descriptors.set(schedule, i, dispatch, bound, parity)?;
+            if let (Size::Indirect(buffers), DispatchSize::Indirect(id)) = (size, dispatch.size) {
+                buffers[parity] = bound.buffer(id, parity).unwrap_or_default();
+            }
+        }
+        before.get_or_insert_default().copy(bound.imports);
+        self.resolved[parity] = before;
+        Ok(())
+    }
+
+    /// Forgets what frames bind.
+    pub fn forget(&mut self) {
+        self.resolved = [None, None];
+    }
+
+    /// Records a whole frame of one parity. Everything before it must be ordered already.
     ///
     /// # Safety
-    /// `commands` is being recorded; nothing that the program refers to goes before its work is done.
+    /// `commands` is being recorded; the program is resolved for this parity, and nothing that it refers to goes before
+    /// the work is done.
     pub unsafe fn record_frame(
         &self,
         device: &Device,
@@ -102,10 +131,12 @@ impl Program {
     ) {
         // SAFETY: the caller's promise.
         unsafe {
-            // Behind the frame before and the uploads.
-            Barrier::FULL.record(&device.raw, commands);
             if let Some(timer) = timer {
                 timer.start(commands, parity);
+            }
+            let imports = self.resolved[parity].as_ref();
+            if let Some(imports) = imports {
+                imports.enter(&device.raw, commands);
             }
             for (i, step) in self.steps.iter().enumerate() {
                 device.begin_label(commands, &self.labels[i]);
@@ -117,6 +148,9 @@ impl Program {
                 if let Some(timer) = timer {
                     timer.end_step(commands, parity, i);
                 }
+            }
+            if let Some(imports) = imports {
+                imports.leave(&device.raw, commands);
             }
         }
     }
@@ -134,8 +168,14 @@ impl Program {
     ) {
         // SAFETY: the caller's promise.
         unsafe {
-            Barrier::FULL.record(&device.raw, commands);
+            let imports = self.resolved[parity].as_ref();
+            if let Some(imports) = imports {
+                imports.enter(&device.raw, commands);
+            }
             self.steps[step].record(&device.raw, commands, parity);
+            if let Some(imports) = imports {
+                imports.leave(&device.raw, commands);
+            }
         }
     }
 }
@@ -144,8 +184,8 @@ impl Command {
     /// # Safety
     /// As [`Program::record_frame`].
     unsafe fn record(&self, device: &ash::Device, commands: vk::CommandBuffer, parity: usize) {
-        // SAFETY: the caller's promise; pipelines, layouts and sets were made for each other, and clears cover whole
-        // buffers, whose size is a multiple of 4.
+        // SAFETY: the caller's promise; pipelines, layouts and sets were made for each other, and what is cleared is
+        // inside its buffer, whose size is a multiple of 4.
         unsafe {
             match self {
                 Command::Nothing => {}

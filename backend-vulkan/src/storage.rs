@@ -1,51 +1,50 @@
-//! The buffers of a schedule: made, taken over, and set to their initial values.
+//! The memory of a schedule's resources: made, taken over, and set to initial values.
 use crate::device::Device;
+use crate::image::Image;
 use crate::memory::Buffer;
 use crate::stream::Stream;
 use gibs_graph::{BackendError, Initial, Kind, Resource, ResourceId, Schedule};
 use std::sync::Arc;
 
-/// The allocations of one resource. A history has two, of which frames of either parity take one as the current.
-pub(crate) struct Store(Vec<Buffer>);
+/// The memory of one resource.
+pub(crate) enum Store {
+    /// Of a history two buffers, of which frames of either parity take one as the current.
+    Buffers(Vec<Buffer>),
+    /// Made when it is first needed: a host that provides the image pays for no other.
+    Image(Option<Image>),
+}
 
 impl Store {
-    /// Fresh allocations, undefined.
-    pub fn new(device: &Arc<Device>, resource: &Resource) -> Result<Self, BackendError> {
-        let count = if matches!(resource.kind, Kind::History(_)) {
-            2
-        } else {
-            1
-        };
-        (0..count)
-            .map(|_| Buffer::resource(device, &resource.key, resource.bytes))
+    /// Fresh memory, undefined.
+    fn new(device: &Arc<Device>, resource: &Resource) -> Result<Self, BackendError> {
+        if resource.image.is_some() {
+            return Ok(Self::Image(None));
+        }
+        (0..resource.kind.allocations())
+            .map(|_| Buffer::resource(device, &resource.key, resource.room))
             .collect::<Result<_, _>>()
-            .map(Self)
+            .map(Self::Buffers)
     }
 
-    /// The allocation that frames of this parity change.
-    pub fn current(&self, parity: usize) -> &Buffer {
-        &self.0[parity % self.0.len()]
-    }
-
-    /// The other one: the value of the frame before.
-    pub fn previous(&self, parity: usize) -> &Buffer {
-        self.current(parity + 1)
-    }
-
-    /// Exchanges the allocations, so that what was current for odd parities is so for even ones.
+    /// Exchanges the buffers, so that what was current for odd parities is so for even ones.
     pub fn swap(&mut self) {
-        self.0.reverse();
+        if let Self::Buffers(buffers) = self {
+            buffers.reverse();
+        }
     }
 
-    /// Sets every allocation to the first value of its kind.
-    pub fn initialize(&self, stream: &mut Stream, resource: &Resource) -> Result<(), BackendError> {
+    /// Sets every buffer to the first value of its kind. An image starts at zero when it is made.
+    fn initialize(&self, stream: &mut Stream, resource: &Resource) -> Result<(), BackendError> {
+        let Self::Buffers(buffers) = self else {
+            return Ok(());
+        };
         let zero = Initial::Zero;
         let initial = match &resource.kind {
             Kind::State(initial) | Kind::History(initial) => initial,
             Kind::Input | Kind::Transient | Kind::Zeroed => &zero,
         };
         let word = repeated_word(initial);
-        for buffer in &self.0 {
+        for buffer in buffers {
             stream.fill(buffer, word.unwrap_or(0))?;
             if word.is_none() {
                 stream.write(buffer, 0, &initial.bytes(resource.bytes as usize))?;
@@ -69,30 +68,96 @@ fn repeated_word(initial: &Initial) -> Option<u32> {
     }
 }
 
-/// Puts one store per resource of `schedule` that the device touches into `stores`. `adopted` gives those that are
-/// taken over; all others are made and set to their first value. After an error, `stores` holds what the stream may
-/// already be working on.
-pub(crate) fn allocate(
-    device: &Arc<Device>,
-    schedule: &Schedule,
-    mut adopted: Vec<(ResourceId, Store)>,
-    stream: &mut Stream,
-    stores: &mut Vec<Option<Store>>,
-) -> Result<(), BackendError> {
-    for (id, resource) in schedule.resources.iter().enumerate() {
-        let taken = adopted.iter().position(|(to, _)| *to as usize == id);
-        if !resource.usage.on_device() {
-            stores.push(None);
-        } else if let Some(taken) = taken {
-            stores.push(Some(adopted.swap_remove(taken).1));
-        } else {
-            let store = Store::new(device, resource)?;
-            let initialized = store.initialize(stream, resource);
-            stores.push(Some(store));
-            initialized?;
+/// The memory of all resources of a schedule.
+pub(crate) struct Stores {
+    /// Of each resource; `None` where the device has none, or it is at home elsewhere.
+    stores: Vec<Option<Store>>,
+    /// Of each resource, the one whose memory it uses.
+    homes: Vec<ResourceId>,
+}
+
+impl Stores {
+    /// Room for the memory of `schedule`, none of which is there yet.
+    pub fn new(schedule: &Schedule) -> Self {
+        Self {
+            stores: Vec::with_capacity(schedule.resources.len()),
+            homes: schedule.resources.iter().map(|r| r.home).collect(),
         }
     }
-    Ok(())
+
+    /// Makes memory for everything in `schedule` that the device touches, and sets it to its first value. `adopted`
+    /// gives what is taken over instead. After an error, this holds what the stream may already be working on.
+    pub fn fill(
+        &mut self,
+        schedule: &Schedule,
+        mut adopted: Vec<(ResourceId, Store)>,
+        stream: &mut Stream,
+    ) -> Result<(), BackendError> {
+        for (id, resource) in schedule.resources.iter().enumerate() {
+            let taken = adopted.iter().position(|(to, _)| *to as usize == id);
+            if !resource.usage.on_device() || resource.home as usize != id {
+                self.stores.push(None);
+            } else if let Some(taken) = taken {
+                self.stores.push(Some(adopted.swap_remove(taken).1));
+            } else {
+                let store = Store::new(&stream.device, resource)?;
+                let initialized = store.initialize(stream, resource);
+                self.stores.push(Some(store));
+                initialized?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The buffer that frames of this parity change.
+    pub fn buffer(&self, resource: ResourceId, parity: usize) -> Option<&Buffer> {
+        let home = *self.homes.get(resource as usize)?;
+        match self.stores.get(home as usize)? {
+            Some(Store::Buffers(buffers)) => buffers.get(parity % buffers.len().max(1)),
+            _ => None,
+        }
+    }
+
+    /// The image, if it was made.
+    pub fn image(&self, resource: ResourceId) -> Option<&Image> {
+        match self.stores.get(resource as usize)? {
+            Some(Store::Image(image)) => image.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Makes the image of a resource that has one, if it is not there yet, and has it set to zero with what is
+    /// recorded next.
+    pub fn make_image(
+        &mut self,
+        id: ResourceId,
+        resource: &Resource,
+        stream: &mut Stream,
+    ) -> Result<(), BackendError> {
+        let (Some(Some(Store::Image(image @ None))), Some(shape)) =
+            (self.stores.get_mut(id as usize), resource.image)
+        else {
+            return Ok(());
+        };
+        let made = image.insert(Image::new(&stream.device, &resource.key, shape)?);
+        stream.pending.zero(made);
+        Ok(())
+    }
+
+    /// Takes the memory of one resource away, for another schedule.
+    pub fn take(&mut self, resource: ResourceId) -> Option<Store> {
+        self.stores.get_mut(resource as usize)?.take()
+    }
+
+    /// Sets states and histories to their first value.
+    pub fn reset(&self, schedule: &Schedule, stream: &mut Stream) -> Result<(), BackendError> {
+        for (store, resource) in self.stores.iter().zip(&schedule.resources) {
+            if let (Some(store), Kind::State(_) | Kind::History(_)) = (store, &resource.kind) {
+                store.initialize(stream, resource)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The order of work: command buffers that run once, and the count of what was submitted.
 use crate::barriers::Barrier;
 use crate::device::Device;
+use crate::pending::Pending;
 use crate::transfer::Staging;
 use ash::vk;
 use gibs_graph::BackendError;
@@ -19,6 +20,7 @@ pub(crate) struct Stream {
     /// Command buffers for batches, and the submission that each was last part of.
     batches: Vec<(vk::CommandBuffer, u64)>,
     pub(crate) staging: Staging,
+    pub(crate) pending: Pending,
 }
 
 impl Stream {
@@ -32,6 +34,7 @@ impl Stream {
             batch: None,
             batches: Vec::new(),
             staging: Staging::default(),
+            pending: Pending::default(),
         };
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(device.adapter.family)
@@ -60,11 +63,27 @@ impl Stream {
         Ok(commands.map_err(self.device.fail("vkAllocateCommandBuffers"))?[0])
     }
 
-    /// The open batch. A new one starts behind everything that was submitted before.
+    /// The open batch, with everything in it that was held back. A new one starts behind everything that was submitted
+    /// before.
     pub fn batch(&mut self) -> Result<vk::CommandBuffer, BackendError> {
-        if let Some(commands) = self.batch {
-            return Ok(commands);
-        }
+        let commands = match self.batch {
+            Some(commands) => commands,
+            None => self.open()?,
+        };
+        // SAFETY: the batch is being recorded; resources wait before they go.
+        unsafe {
+            self.pending
+                .record(&self.device.raw, commands, &mut self.staging.written)
+        };
+        Ok(commands)
+    }
+
+    /// Something is recorded that was not submitted yet.
+    pub fn is_open(&self) -> bool {
+        self.batch.is_some()
+    }
+
+    fn open(&mut self) -> Result<vk::CommandBuffer, BackendError> {
         let done = self.done()?;
         let number = self.number();
         let commands = match self.batches.iter_mut().find(|(_, last)| *last <= done) {
@@ -102,9 +121,12 @@ impl Stream {
             .map_err(self.device.fail("vkGetSemaphoreCounterValue"))
     }
 
-    /// Sends the open batch, if there is one, and then `frame`, which must be recorded and not pending. Returns the
+    /// Sends what was held back or is open, if anything, and then `frame`, which must be recorded and not pending. Returns the
     /// number of the submission, or of the last one where there was nothing to send.
     pub fn submit(&mut self, frame: Option<vk::CommandBuffer>) -> Result<u64, BackendError> {
+        if !self.pending.is_empty() {
+            self.batch()?;
+        }
         let batch = self.batch.take();
         if let Some(commands) = batch {
             // SAFETY: the batch is being recorded.

@@ -12,8 +12,8 @@ use std::time::Duration;
 pub(crate) struct Timer {
     pools: [vk::QueryPool; 2],
     steps: usize,
-    /// Parity and submission of the last frame that was measured.
-    last: Option<(usize, u64)>,
+    /// Parity and submission of the last frame that was measured; no submission where a host submits it.
+    last: Option<(usize, Option<u64>)>,
     device: Arc<Device>,
 }
 
@@ -75,30 +75,37 @@ impl Timer {
         };
     }
 
-    /// A frame with timestamps was submitted.
-    pub fn submitted(&mut self, parity: usize, number: u64) {
+    /// A frame with timestamps was submitted, or recorded for a host to submit.
+    pub fn submitted(&mut self, parity: usize, number: Option<u64>) {
         self.last = Some((parity, number));
     }
 
     /// Submission of the last frame that was measured.
-    pub fn last(&self) -> Option<u64> {
+    pub fn last(&self) -> Option<Option<u64>> {
         self.last.map(|(_, number)| number)
     }
 
-    /// Times of the last measured frame, which must be done.
+    /// Times of the last measured frame, which must be done where it was submitted here; `None` where it is a host's
+    /// and not done.
     pub fn read(&self) -> Result<Option<Vec<StepTime>>, BackendError> {
-        let Some((parity, _)) = self.last else {
+        let Some((parity, number)) = self.last else {
             return Ok(None);
         };
         let mut stamps = vec![0u64; self.steps + 1];
-        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-        // SAFETY: the pool has this many queries, all written by the frame that is done.
-        unsafe {
+        let mut flags = vk::QueryResultFlags::TYPE_64;
+        if number.is_some() {
+            flags |= vk::QueryResultFlags::WAIT;
+        }
+        // SAFETY: the pool has this many queries, and the frame that writes them was submitted.
+        let read = unsafe {
             self.device
                 .raw
                 .get_query_pool_results(self.pools[parity], 0, &mut stamps, flags)
+        };
+        if read == Err(vk::Result::NOT_READY) {
+            return Ok(None);
         }
-        .map_err(self.device.fail("vkGetQueryPoolResults"))?;
+        read.map_err(self.device.fail("vkGetQueryPoolResults"))?;
         let adapter = &self.device.adapter;
         Ok(Some(durations(
             &stamps,

@@ -100,7 +100,7 @@ impl WgpuExecutable {
     /// Images that come again and again, as those of a swapchain do, cost bind groups only the first time.
     ///
     /// # Errors
-    /// [`BackendError::Import`]; what else does not fit shows when a frame is recorded.
+    /// [`BackendError::Refused`]; what else does not fit shows when a frame is recorded.
     pub fn import_image(
         &mut self,
         resource: ResourceId,
@@ -118,7 +118,7 @@ impl WgpuExecutable {
     /// `COPY_DST`.
     ///
     /// # Errors
-    /// [`BackendError::Import`]; what else does not fit shows when a frame is recorded.
+    /// [`BackendError::Refused`]; what else does not fit shows when a frame is recorded.
     pub fn import_buffer(
         &mut self,
         resource: ResourceId,
@@ -278,13 +278,10 @@ impl WgpuExecutable {
             return Err(hosts_image(&found.key));
         }
         if bytes.len() as u64 != found.bytes {
-            return Err(BackendError::Import {
-                resource: found.key.clone(),
-                message: format!(
-                    "{} bytes were given; an image is written as a whole, {} bytes",
-                    bytes.len(),
-                    found.bytes
-                ),
+            return Err(BackendError::Refused {
+                what: format!("writing `{}`", found.key),
+                reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
+                remedy: "write the whole image, a value per texel".into(),
             });
         }
         match self.stores.own_image(&self.context, resource)? {
@@ -325,9 +322,10 @@ fn importable(schedule: &Schedule, dispatch: &DispatchStep) -> Vec<ResourceId> {
 }
 
 fn hosts_image(key: &str) -> BackendError {
-    BackendError::Import {
-        resource: key.into(),
-        message: "the image is the host's, who reads and writes it without the backend".into(),
+    BackendError::Refused {
+        what: format!("reading or writing `{key}`"),
+        reason: "the image is the host's".into(),
+        remedy: "use it without the backend".into(),
     }
 }
 

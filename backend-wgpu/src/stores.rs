@@ -110,15 +110,19 @@ impl Stores {
         resource: ResourceId,
         import: Import,
     ) -> Result<bool, BackendError> {
-        let refuse = |message: String| BackendError::Import {
-            resource: match self.schedule.resources.get(resource as usize) {
-                Some(found) => found.key.clone(),
-                None => format!("#{resource}"),
+        let refuse = |reason: String, remedy: &str| BackendError::Refused {
+            what: match self.schedule.resources.get(resource as usize) {
+                Some(found) => format!("importing `{}`", found.key),
+                None => format!("importing resource {resource}"),
             },
-            message,
+            reason,
+            remedy: remedy.into(),
         };
         let Some(found) = self.schedule.resources.get(resource as usize) else {
-            return Err(refuse("the schedule has no such resource".into()));
+            return Err(refuse(
+                "the schedule has no such resource".into(),
+                "take the number from `Schedule::resource`",
+            ));
         };
         let is_output = self.schedule.outputs.iter().any(|o| o.resource == resource);
         if found.kind != Kind::Input && !(found.kind == Kind::Transient && is_output) {
@@ -131,27 +135,32 @@ impl Stores {
             (Import::Image(view), Some(shape)) => {
                 let size = view.texture().size();
                 if [size.width, size.height] != shape.size {
-                    return Err(refuse(format!(
-                        "the image has {}x{} texels, the graph was recorded for {}x{}; give one of that size or \
-                         record the graph anew",
-                        size.width, size.height, shape.size[0], shape.size[1]
-                    )));
+                    return Err(refuse(
+                        format!(
+                            "the image has {}x{} texels, the graph was recorded for {}x{}",
+                            size.width, size.height, shape.size[0], shape.size[1]
+                        ),
+                        "give one of that size, or record the graph anew",
+                    ));
                 }
             }
             (Import::Buffer(buffer), None) => {
                 if buffer.size() < found.bytes {
-                    return Err(refuse(format!(
-                        "the buffer has {} bytes, {} are needed",
-                        buffer.size(),
-                        found.bytes
-                    )));
+                    return Err(refuse(
+                        format!(
+                            "the buffer has {} bytes, {} are needed",
+                            buffer.size(),
+                            found.bytes
+                        ),
+                        "give a larger one",
+                    ));
                 }
             }
             (Import::Image(_), None) => {
-                return Err(refuse("it is a buffer; use `import_buffer`".into()));
+                return Err(refuse("it is a buffer".into(), "use `import_buffer`"));
             }
             (Import::Buffer(_), Some(_)) => {
-                return Err(refuse("it is an image; use `import_image`".into()));
+                return Err(refuse("it is an image".into(), "use `import_image`"));
             }
         }
         let place = &mut self.imports[resource as usize];

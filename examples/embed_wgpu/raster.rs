@@ -103,15 +103,22 @@ impl Raster {
         });
         Self {
             pipeline,
-            vertices: buffer(bytemuck::cast_slice(&world.vertices), wgpu::BufferUsages::VERTEX),
-            indices: buffer(bytemuck::cast_slice(&world.indices), wgpu::BufferUsages::INDEX),
+            vertices: buffer(
+                bytemuck::cast_slice(&world.vertices),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                bytemuck::cast_slice(&world.indices),
+                wgpu::BufferUsages::INDEX,
+            ),
             count: world.indices.len() as u32,
         }
     }
 
     pub fn gbuffer(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> Gbuffer {
         let view = |format| {
-            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+            let usage =
+                wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
             texture(device, [width, height], format, usage).create_view(&Default::default())
         };
         let to_clip = device.create_buffer(&wgpu::BufferDescriptor {

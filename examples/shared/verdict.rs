@@ -32,7 +32,10 @@ pub fn agrees(
     let bytes = id.map_or(Ok(Vec::new()), |id| traced.executable().read(id))?;
     let expected: Vec<Vec4> = bytemuck::pod_collect_to_vec(&bytes);
     let mean = |pixels: &[Vec4]| {
-        let sum: f64 = pixels.iter().map(|p| f64::from(p.truncate().element_sum())).sum();
+        let sum: f64 = pixels
+            .iter()
+            .map(|p| f64::from(p.truncate().element_sum()))
+            .sum();
         sum / (3.0 * pixels.len().max(1) as f64)
     };
     let (got, expected) = (mean(indirect), mean(&expected));

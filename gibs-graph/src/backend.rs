@@ -189,13 +189,15 @@ pub enum BackendError {
         /// End of the bytes asked for.
         end: u64,
     },
-    /// What a host gave for a resource does not fit it.
-    #[error("`{resource}` cannot be imported: {message}")]
-    Import {
-        /// Resource.
-        resource: String,
-        /// Why not, and what to do.
-        message: String,
+    /// The caller asked for something that cannot be done as things stand.
+    #[error("{what}: {reason}; {remedy}")]
+    Refused {
+        /// What was asked for, or of what.
+        what: String,
+        /// Why not.
+        reason: String,
+        /// What to do.
+        remedy: String,
     },
     /// The executable to adopt from belongs to another backend.
     #[error("state can only be adopted from an executable of the {backend} backend itself")]
