@@ -156,6 +156,11 @@ impl Renderer {
         Ok(self.exec.wait()?)
     }
 
+    /// What runs on it: scene, size, schedule.
+    pub fn gi(&self) -> &Gi {
+        &self.gi
+    }
+
     /// The executable, for profiling and checks.
     pub fn executable(&mut self) -> &mut dyn Executable {
         self.exec.as_mut()

@@ -127,8 +127,8 @@ impl Stores {
         let is_output = self.schedule.outputs.iter().any(|o| o.resource == resource);
         if found.kind != Kind::Input && !(found.kind == Kind::Transient && is_output) {
             return Err(refuse(
-                "only inputs and transient outputs can be a host's; states stay the backend's"
-                    .into(),
+                "only inputs and transient outputs can be a host's".into(),
+                "leave states and histories to the backend",
             ));
         }
         match (&import, found.image) {

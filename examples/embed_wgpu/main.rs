@@ -45,9 +45,13 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let backend = WgpuBackend::from_device(&adapter.get_info(), device.clone(), queue.clone());
     let scene = world.scene();
     let views = views();
+    let settings = Settings {
+        rays: 20_000,
+        ..Settings::default()
+    };
     let mut lit = Vec::new();
     for view in &views {
-        let gi = Gi::new(&scene, view, SIZE, &Settings::default(), Screen::Imported)?;
+        let gi = Gi::new(&scene, view, SIZE, &settings, Screen::Imported)?;
         let mut exec = backend.prepare_wgpu(gi.schedule().clone(), None)?;
         gi.upload_scene(&mut exec)?;
         let gbuffer = raster.gbuffer(&device, SIZE);
@@ -92,7 +96,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     for (i, (view, lit)) in views.iter().zip(&lit).enumerate() {
         let indirect = read_halves(&device, &queue, &lit.indirect)?;
         let name = format!("view {i}");
-        agrees &= verdict::agrees(&name, &indirect, &scene, view, SIZE, FRAMES)?;
+        agrees &= verdict::agrees(&name, &indirect, &scene, view, &settings, SIZE, FRAMES)?;
     }
     Ok(agrees)
 }

@@ -2,7 +2,7 @@
 use super::engine::{Vertex, World, look};
 use gibs::passes::scene::Camera;
 use gibs_backend_wgpu::wgpu;
-use glam::Mat4;
+use glam::camera::rh::proj::directx::perspective_infinite_reverse;
 use wgpu::util::DeviceExt;
 
 /// Distance of the near plane, metres.
@@ -153,7 +153,7 @@ impl Raster {
         camera: &Camera,
         aspect: f32,
     ) {
-        let projection = Mat4::perspective_infinite_reverse_rh(camera.vfov as f32, aspect, NEAR);
+        let projection = perspective_infinite_reverse(camera.vfov as f32, aspect, NEAR);
         let to_clip = projection * look(camera);
         queue.write_buffer(&target.to_clip, 0, bytemuck::bytes_of(&to_clip));
         let clear = |view, color| {

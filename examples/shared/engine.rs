@@ -136,5 +136,5 @@ pub fn views() -> [View; 2] {
 /// From the world to the eye.
 pub fn look(camera: &Camera) -> Mat4 {
     let [eye, target, up] = [camera.position, camera.target, camera.up].map(|v| v.as_vec3());
-    Mat4::look_at_rh(eye, target, up)
+    glam::camera::rh::view::look_at_mat4(eye, target, up)
 }

@@ -19,12 +19,13 @@ pub fn agrees(
     indirect: &[Vec4],
     scene: &Scene,
     view: &View,
+    settings: &Settings,
     size: [u32; 2],
     frames: u32,
 ) -> Result<bool, RenderError> {
     let backend = gibs_backend_cpu::CpuBackend::new(gibs_backend_cpu::Options::default())?;
     let backend: &dyn Backend = &backend;
-    let mut traced = Renderer::new(backend, scene, view, size, &Settings::default(), 0)?;
+    let mut traced = Renderer::new(backend, scene, view, size, settings, 0)?;
     for _ in 0..frames {
         traced.frame()?;
     }

@@ -1,4 +1,5 @@
 // Indirect light as an image of the engine's. One invocation per pixel.
+import package::half_float::half_float_rounded;
 import package::surface::{surface_albedo, surface_is_surface};
 import package::types::{Camera, Gathered, HostGbuffer, SurfacePoint};
 
@@ -24,5 +25,5 @@ fn main(@builtin(global_invocation_id) at: vec3<u32>) {
         let factor = select(vec3<f32>(1.0), surface_albedo(point) * FRAC_1_PI, host.radiance != 0u);
         value = vec4<f32>(all * factor * host.exposure, g.weight);
     }
-    textureStore(indirect, at.xy, value);
+    textureStore(indirect, at.xy, half_float_rounded(value));
 }
