@@ -339,6 +339,19 @@ impl Engine {
         }
     }
 
+    /// Fills a color image, of which nothing matters any more, and leaves it to be written by transfers.
+    pub fn fill(&self, commands: vk::CommandBuffer, image: vk::Image, color: [f32; 4]) {
+        let aspect = vk::ImageAspectFlags::COLOR;
+        self.pass(commands, image, aspect, FRESH, TRANSFER_WRITE);
+        let value = vk::ClearColorValue { float32: color };
+        let layout = TRANSFER_WRITE.layout;
+        // SAFETY: the command buffer is being recorded.
+        unsafe {
+            self.device
+                .cmd_clear_color_image(commands, image, layout, &value, &[whole(aspect)])
+        };
+    }
+
     /// Waits for everything.
     pub fn wait(&self) {
         // SAFETY: the queue belongs to the device, and nobody else uses it.
@@ -361,7 +374,8 @@ impl Engine {
             .new_layout(to.layout)
             .image(image)
             .subresource_range(whole(aspect))];
-        let before = from.stage | vk::PipelineStageFlags::TOP_OF_PIPE;
+        // Whatever it was used for in frames before is over first.
+        let before = from.stage | vk::PipelineStageFlags::ALL_COMMANDS;
         let flags = vk::DependencyFlags::empty();
         // SAFETY: the command buffer is being recorded.
         unsafe {

@@ -36,7 +36,7 @@ fn values(bytes: &[u8]) -> Vec<Vec4> {
 
 macro_rules! stored_graph {
     ($name:ident, $module:ident, $stage:ident, $texel:ty) => {
-        fn $name(size: [u32; 2]) -> Graph {
+        pub fn $name(size: [u32; 2]) -> Graph {
             let mut g = Graph::new(stringify!($name));
             let source = g.import_image::<Float>("source", size);
             let target_ = g.export_image::<$texel>("target", size);
