@@ -1,5 +1,7 @@
 //! Images and buffers that a host lends.
-use crate::engine::{Engine, FRESH, Lent, Room, TRANSFER_READ, TRANSFER_WRITE, engaged, whole};
+use crate::engine::{
+    Engine, FRESH, Lent, Room, TRANSFER_READ, TRANSFER_WRITE, engaged, overheard, whole,
+};
 use crate::images::bytes;
 use crate::stages::*;
 use crate::support::{compile, prepare, read, upload, watched, words};
@@ -338,4 +340,42 @@ fn what_does_not_fit_is_refused() {
         images.run().unwrap();
         buffers.run().unwrap();
     });
+}
+
+/// The positive control: what the host says about an image is what the barriers are made of.
+#[test]
+fn wrong_uses_are_reported() {
+    let wrong = |entry, exit, message: &str| {
+        let messages = overheard(|engine| {
+            let backend = engine.backend();
+            let mut e = executable(&backend, bytes(SIZE));
+            let turns = Turns::new(engine);
+            let (from, to) = (id(&e, "source"), id(&e, "target"));
+            let commands = engine.begin();
+            engine.fill(commands, turns.sources[0].image, [0.5; 4]);
+            // SAFETY: but for a wrong layout, which is what the layer is to find and the device does not mind, as in
+            // the other tests.
+            unsafe {
+                e.import_image(from, color(turns.sources[0], entry, TRANSFER_WRITE))
+                    .unwrap();
+                e.import_image(to, color(turns.targets[0], FRESH, exit))
+                    .unwrap();
+                // Else the barrier at the end would do for the image, too.
+                e.set_exit(vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
+                e.record(commands).unwrap();
+            }
+            engine.copy(commands, turns.targets[0].image, SIZE, &turns.room);
+            engine.submit(commands);
+            engine.wait();
+        });
+        let found = |messages: &Vec<String>| messages.iter().any(|m| m.contains(message));
+        assert!(messages.as_ref().is_none_or(found), "{messages:?}");
+    };
+    wrong(TRANSFER_READ, TRANSFER_READ, "layout");
+    let unordered = ImageUse {
+        stage: vk::PipelineStageFlags::empty(),
+        access: vk::AccessFlags::empty(),
+        ..TRANSFER_READ
+    };
+    wrong(TRANSFER_WRITE, unordered, "SYNC-HAZARD");
 }

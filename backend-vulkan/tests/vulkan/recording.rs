@@ -164,9 +164,27 @@ fn large_uploads_have_to_be_sent_off_first() {
             engine.wait();
             assert!(e.read(source).unwrap() == expected);
         }
+    });
+}
+
+#[test]
+fn a_reset_has_to_be_sent_off_first() {
+    engaged(|engine| {
+        let backend = engine.backend();
+        let mut e = executable(&backend, counting(10));
+        upload(&mut e, "source", &[5u32; 10]);
+        frame(engine, &mut e);
         e.reset().unwrap();
+        let commands = engine.begin();
+        // SAFETY: nothing is recorded.
+        let error = unsafe { e.record(commands) }.unwrap_err();
+        assert!(error.to_string().contains("wait()"), "{error}");
+        engine.submit(commands);
+        e.wait().unwrap();
         frame(engine, &mut e);
         engine.wait();
+        assert_eq!(read(&mut e, "total"), (5..15).collect::<Vec<u32>>());
+        assert_eq!(read(&mut e, "past"), [7; 10]);
     });
 }
 
