@@ -1,4 +1,5 @@
 //! Physical devices: what they are, what they allow, and which one to take.
+use crate::image;
 use crate::instance::{Instance, OLDEST, no_driver, unavailable, version};
 use crate::limits::Limits;
 use ash::{khr, vk};
@@ -128,6 +129,8 @@ impl Adapter {
         ];
         notes.extend(unusable.iter().map(|reason| format!("unusable: {reason}")));
 
+        let mut formats = image::FORMATS.to_vec();
+        formats.retain(|format| image::is_supported(instance, physical, *format));
         let max_allocation = maintenance3.max_memory_allocation_size;
         let max_buffer = match maintenance4.max_buffer_size {
             0 => max_allocation,
@@ -152,7 +155,7 @@ impl Adapter {
                 max_storage_buffers: basic.limits.max_per_stage_descriptor_storage_buffers,
                 notes,
             },
-            limits: Limits::new(name, &basic.limits, max_buffer, heap),
+            limits: Limits::new(name, &basic.limits, formats, max_buffer, heap),
             api,
             family,
             timestamp_bits,

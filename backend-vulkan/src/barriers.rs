@@ -27,7 +27,7 @@ pub(crate) struct Barrier {
 }
 
 impl Barrier {
-    /// Between anything and anything: where work of an earlier submission may still be under way.
+    /// Between anything and anything that the backend records.
     pub const FULL: Self = Self {
         from: WRITES,
         to: vk::AccessFlags::from_raw(WRITES.as_raw() | READS.as_raw()),
@@ -55,11 +55,11 @@ impl Barrier {
     }
 }
 
-/// Records that a frame starts behind everything that the queue did before, also on behalf of a host.
+/// Records that work starts behind everything that the queue did before, also on behalf of a host.
 ///
 /// # Safety
 /// `commands` is a command buffer of `device` that is being recorded.
-pub(crate) unsafe fn open_frame(device: &ash::Device, commands: vk::CommandBuffer) {
+pub(crate) unsafe fn open(device: &ash::Device, commands: vk::CommandBuffer) {
     let memory = [vk::MemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
         .dst_access_mask(Barrier::FULL.to)];
@@ -76,7 +76,7 @@ pub(crate) unsafe fn open_frame(device: &ash::Device, commands: vk::CommandBuffe
 /// # Safety
 /// `commands` is a command buffer of `device` that is being recorded; its queue has the stages, which make the
 /// accesses.
-pub(crate) unsafe fn close_frame(
+pub(crate) unsafe fn close(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     stage: vk::PipelineStageFlags,

@@ -1,5 +1,5 @@
 //! A schedule that is ready to run on a Vulkan device.
-use crate::barriers::{Barrier, open_frame};
+use crate::barriers::open;
 use crate::bound::Bound;
 use crate::descriptors::Descriptors;
 use crate::device::Device;
@@ -162,7 +162,7 @@ impl VulkanExecutable {
                 .raw
                 .begin_command_buffer(frame.commands, &vk::CommandBufferBeginInfo::default())
                 .map_err(device.fail("vkBeginCommandBuffer"))?;
-            open_frame(&device.raw, frame.commands);
+            open(&device.raw, frame.commands);
             self.program
                 .record_frame(device, frame.commands, parity, timer);
             device
@@ -239,7 +239,7 @@ impl Executable for VulkanExecutable {
         // SAFETY: the batch is being recorded; as for frames, everything outlives the work.
         unsafe {
             let device = &self.stream.device;
-            Barrier::FULL.record(&device.raw, commands);
+            open(&device.raw, commands);
             self.program
                 .record_step(device, commands, self.parity, step)
         };

@@ -1,5 +1,5 @@
 //! Frames in command buffers of a host.
-use crate::barriers::{Barrier, close_frame, open_frame};
+use crate::barriers::{Barrier, close, open};
 use crate::executable::VulkanExecutable;
 use crate::lend::refused;
 use ash::vk;
@@ -65,7 +65,7 @@ impl VulkanExecutable {
         // SAFETY: the caller's promise; everything that the program refers to lives as long as this value or was lent
         // for as long as frames may use it.
         unsafe {
-            open_frame(&device.raw, commands);
+            open(&device.raw, commands);
             if !self.stream.pending.is_empty() {
                 written.clear();
                 self.stream.pending.record(&device.raw, commands, written);
@@ -73,7 +73,7 @@ impl VulkanExecutable {
             }
             self.program.record_frame(device, commands, parity, timer);
             let (stage, access) = self.exit;
-            close_frame(&device.raw, commands, stage, access);
+            close(&device.raw, commands, stage, access);
         }
         if let Some(timer) = self.timer.as_mut().filter(|_| self.measuring) {
             timer.submitted(parity, None);

@@ -1,5 +1,6 @@
 //! Images that the backend makes itself.
 use crate::device::Device;
+use crate::instance::Instance;
 use crate::memory::{allocate, free, not_made};
 use ash::vk;
 use gibs_graph::{BackendError, ImageFormat, ImageShape};
@@ -16,8 +17,8 @@ pub(crate) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     layer_count: 1,
 };
 
-/// An image with memory of its own. From its first use on it is in the layout `GENERAL`: what reads and writes it are
-/// kernels and copies, and no barrier has to know which came last.
+/// An image with memory of its own. From its first use on it is in the layout `GENERAL`, but for the time of a copy: no
+/// barrier of a frame has to know what came last.
 pub(crate) struct Image {
     pub raw: vk::Image,
     pub view: vk::ImageView,
@@ -39,6 +40,40 @@ pub(crate) fn native(format: ImageFormat) -> Option<(vk::Format, vk::ImageUsageF
         ImageFormat::Rgba8Unorm => Some((vk::Format::R8G8B8A8_UNORM, stored)),
         _ => None,
     }
+}
+
+/// Every format that [`native`] knows.
+pub(crate) const FORMATS: [ImageFormat; 5] = [
+    ImageFormat::Float,
+    ImageFormat::Uint,
+    ImageFormat::Rgba16Float,
+    ImageFormat::Rgba32Float,
+    ImageFormat::Rgba8Unorm,
+];
+
+/// A device can make images of this format, use them in kernels, and copy them.
+pub(crate) fn is_supported(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    format: ImageFormat,
+) -> bool {
+    use vk::FormatFeatureFlags as Features;
+    let Some((native, _)) = native(format) else {
+        return false;
+    };
+    let used = match format.is_stored() {
+        true => Features::STORAGE_IMAGE,
+        false => Features::SAMPLED_IMAGE,
+    };
+    // SAFETY: the physical device belongs to the instance, which is alive.
+    let properties = unsafe {
+        instance
+            .raw
+            .get_physical_device_format_properties(physical, native)
+    };
+    properties
+        .optimal_tiling_features
+        .contains(used | Features::TRANSFER_SRC | Features::TRANSFER_DST)
 }
 
 impl Image {
@@ -97,6 +132,33 @@ impl Image {
             .map_err(|e| not_made(device, "vkCreateImageView", name, bytes, e))?;
         Ok(image)
     }
+}
+
+/// Records that an image goes from one layout to another, between transfers.
+///
+/// # Safety
+/// `commands` is a command buffer of `device` that is being recorded; the image lives until its work is done, and is in
+/// the layout `from`.
+pub(crate) unsafe fn turn(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    from: vk::ImageLayout,
+    to: vk::ImageLayout,
+) {
+    let stage = vk::PipelineStageFlags::TRANSFER;
+    let barrier = [vk::ImageMemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE)
+        .old_layout(from)
+        .new_layout(to)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image)
+        .subresource_range(COLOR)];
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: the caller's promise.
+    unsafe { device.cmd_pipeline_barrier(commands, stage, stage, flags, &[], &[], &barrier) };
 }
 
 impl Drop for Image {

@@ -1,8 +1,7 @@
 //! Texels between host and device.
-use crate::image::Image;
+use crate::image::{Image, turn};
 use crate::stream::Stream;
 use ash::vk;
-use ash::vk::Handle;
 use gibs_graph::BackendError;
 
 /// Texels in the order of memory, row by row, as a rectangle: column, row, width, height.
@@ -64,18 +63,18 @@ impl Stream {
                 (texels(part) * texel) as usize
             })?;
             let device = &self.device.raw;
-            let (raw, layout) = (target.raw, vk::ImageLayout::GENERAL);
+            let (image, general) = (target.raw, vk::ImageLayout::GENERAL);
             let (commands, source) = (piece.commands, piece.source);
             let region = region(piece.from, part);
-            let end = first + texels(part);
+            let during = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
             // SAFETY: the batch is being recorded; the texels are inside the page and the image, which live until the
-            // submission is done. The image is in this layout since it was made.
+            // submission is done. The image is in the layout `GENERAL` between transfers, which these barriers order.
             unsafe {
-                let written = &mut self.staging.written;
-                written.order(device, commands, raw.as_raw(), first, end);
-                device.cmd_copy_buffer_to_image(commands, source, raw, layout, &region);
+                turn(device, commands, image, general, during);
+                device.cmd_copy_buffer_to_image(commands, source, image, during, &region);
+                turn(device, commands, image, during, general);
             }
-            first = end;
+            first += texels(part);
             bytes = &bytes[piece.size as usize..];
         }
         Ok(())
@@ -88,10 +87,15 @@ impl Stream {
         let bytes = u64::from(size[0]) * u64::from(size[1]) * texel;
         self.read_with(bytes, |device, commands, window, offset, room| {
             let part = rectangle(size, offset / texel, room / texel);
-            let (raw, layout) = (source.raw, vk::ImageLayout::GENERAL);
+            let (image, general) = (source.raw, vk::ImageLayout::GENERAL);
             let region = region(0, part);
+            let during = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
             // SAFETY: as in `write_image`, and the work is waited for before either can go.
-            unsafe { device.cmd_copy_image_to_buffer(commands, raw, layout, window, &region) };
+            unsafe {
+                turn(device, commands, image, general, during);
+                device.cmd_copy_image_to_buffer(commands, image, during, window, &region);
+                turn(device, commands, image, during, general);
+            }
             texels(part) * texel
         })
     }

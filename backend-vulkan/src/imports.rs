@@ -108,10 +108,10 @@ impl Imports {
         });
         loop {
             let mut barriers = [vk::ImageMemoryBarrier::default(); CHUNK];
-            let (mut before, mut after) = (
-                vk::PipelineStageFlags::empty(),
-                vk::PipelineStageFlags::empty(),
-            );
+            // A frame begins behind all work on the queue, and its stages wait for that. So what waits for them is behind
+            // that, too, whatever the host says.
+            let mut before = vk::PipelineStageFlags::COMPUTE_SHADER;
+            let mut after = vk::PipelineStageFlags::empty();
             let mut count = 0;
             for (barrier, (lent, stored)) in barriers.iter_mut().zip(&mut images) {
                 let (from, to) = uses(lent, stored);
@@ -122,9 +122,6 @@ impl Imports {
             }
             if count == 0 {
                 return;
-            }
-            if before.is_empty() {
-                before = vk::PipelineStageFlags::TOP_OF_PIPE;
             }
             if after.is_empty() {
                 after = vk::PipelineStageFlags::BOTTOM_OF_PIPE;

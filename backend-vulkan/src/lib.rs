@@ -5,6 +5,10 @@
 //! rotating histories, recorded once and submitted again every frame. Barriers stand only where the schedule found a
 //! hazard.
 //!
+//! An engine can lend its images and buffers to an executable ([`VulkanExecutable::import_image`],
+//! [`VulkanExecutable::import_buffer`]), use those of the executable in place ([`VulkanExecutable::buffer`]), and have
+//! frames recorded into its own command buffers ([`VulkanExecutable::record`]).
+//!
 //! The Vulkan loader is opened at run time, so a program with this backend starts on a machine without one.
 #![deny(clippy::undocumented_unsafe_blocks)]
 mod adapter;

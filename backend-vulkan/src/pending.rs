@@ -2,7 +2,7 @@
 //!
 //! What a host records into a command buffer of its own has to bring its uploads along, since nothing is submitted for
 //! it. So small uploads wait here, as bytes, and become part of whatever is recorded next: a batch or a host's frame.
-use crate::image::{COLOR, Image};
+use crate::image::{COLOR, Image, turn};
 use crate::memory::Buffer;
 use crate::transfer::Written;
 use ash::vk;
@@ -88,10 +88,7 @@ impl Pending {
                         written.order(device, commands, target.as_raw(), offset, end);
                         device.cmd_update_buffer(commands, target, offset, bytes);
                     }
-                    Write::Zero(image) => {
-                        written.order(device, commands, image.as_raw(), 0, u64::MAX);
-                        zero(device, commands, image);
-                    }
+                    Write::Zero(image) => zero(device, commands, image),
                 }
             }
         }
@@ -102,21 +99,11 @@ impl Pending {
 /// # Safety
 /// `commands` is being recorded; `image` is new and lives until its work is done.
 unsafe fn zero(device: &ash::Device, commands: vk::CommandBuffer, image: vk::Image) {
-    let stage = vk::PipelineStageFlags::TRANSFER;
-    let general = [vk::ImageMemoryBarrier::default()
-        .dst_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-        .old_layout(vk::ImageLayout::UNDEFINED)
-        .new_layout(vk::ImageLayout::GENERAL)
-        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .image(image)
-        .subresource_range(COLOR)];
+    let (new, general) = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL);
     // SAFETY: the caller's promise. All bits zero is zero in every format.
     unsafe {
-        let flags = vk::DependencyFlags::empty();
-        device.cmd_pipeline_barrier(commands, stage, stage, flags, &[], &[], &general);
-        let color = vk::ClearColorValue::default();
-        let layout = vk::ImageLayout::GENERAL;
-        device.cmd_clear_color_image(commands, image, layout, &color, &[COLOR]);
+        turn(device, commands, image, new, general);
+        let zero = vk::ClearColorValue::default();
+        device.cmd_clear_color_image(commands, image, general, &zero, &[COLOR]);
     }
 }

@@ -63,7 +63,7 @@ impl Program {
         let steps = schedule.steps.iter().enumerate().map(|(i, step)| {
             let command = match &step.action {
                 Action::Clear(id) => bound.buffer(*id, 0).map(|buffer| {
-                    // Beyond these bytes may be those of a resource that shares the memory and lives on.
+                    // Not the whole buffer, which may be at home to something larger.
                     let bytes = schedule.resources[*id as usize].bytes;
                     let size = bytes.next_multiple_of(4);
                     Command::Clear { buffer, size }

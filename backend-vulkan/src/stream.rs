@@ -1,5 +1,5 @@
 //! The order of work: command buffers that run once, and the count of what was submitted.
-use crate::barriers::Barrier;
+use crate::barriers::open;
 use crate::device::Device;
 use crate::pending::Pending;
 use crate::transfer::Staging;
@@ -68,7 +68,7 @@ impl Stream {
     pub fn batch(&mut self) -> Result<vk::CommandBuffer, BackendError> {
         let commands = match self.batch {
             Some(commands) => commands,
-            None => self.open()?,
+            None => self.begin()?,
         };
         // SAFETY: the batch is being recorded; resources wait before they go.
         unsafe {
@@ -83,7 +83,7 @@ impl Stream {
         self.batch.is_some()
     }
 
-    fn open(&mut self) -> Result<vk::CommandBuffer, BackendError> {
+    fn begin(&mut self) -> Result<vk::CommandBuffer, BackendError> {
         let done = self.done()?;
         let number = self.number();
         let commands = match self.batches.iter_mut().find(|(_, last)| *last <= done) {
@@ -103,7 +103,7 @@ impl Stream {
         unsafe { self.device.raw.begin_command_buffer(commands, &info) }
             .map_err(self.device.fail("vkBeginCommandBuffer"))?;
         // SAFETY: recording began above.
-        unsafe { Barrier::FULL.record(&self.device.raw, commands) };
+        unsafe { open(&self.device.raw, commands) };
         self.staging.begin(done);
         self.batch = Some(commands);
         Ok(commands)

@@ -150,4 +150,54 @@ stages! {
      @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
          elsewhere[id.x] = source[id.x];
      }"
+
+    /// Stores every texel.
+    half_texels HalfTexels { sampled source: gibs_graph::Float, stored target_: gibs_graph::Rgba16Float }
+    "@group(0) @binding(0) var source: texture_2d<f32>;
+     @group(0) @binding(1) var target_: texture_storage_2d<rgba16float, write>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         let size = textureDimensions(source);
+         let at = vec2(id.x % size.x, id.x / size.x);
+         if at.y < size.y { textureStore(target_, at, textureLoad(source, at, 0)); }
+     }"
+
+    /// Stores every texel.
+    full_texels FullTexels { sampled source: gibs_graph::Float, stored target_: gibs_graph::Rgba32Float }
+    "@group(0) @binding(0) var source: texture_2d<f32>;
+     @group(0) @binding(1) var target_: texture_storage_2d<rgba32float, write>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         let size = textureDimensions(source);
+         let at = vec2(id.x % size.x, id.x / size.x);
+         if at.y < size.y { textureStore(target_, at, textureLoad(source, at, 0)); }
+     }"
+
+    /// Stores every texel.
+    byte_texels ByteTexels { sampled source: gibs_graph::Float, stored target_: gibs_graph::Rgba8Unorm }
+    "@group(0) @binding(0) var source: texture_2d<f32>;
+     @group(0) @binding(1) var target_: texture_storage_2d<rgba8unorm, write>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         let size = textureDimensions(source);
+         let at = vec2(id.x % size.x, id.x / size.x);
+         if at.y < size.y { textureStore(target_, at, textureLoad(source, at, 0)); }
+     }"
+
+    /// The bits of every texel.
+    texel_bits TexelBits { sampled source: gibs_graph::Float, write target_: [u32; 4] }
+    "@group(0) @binding(0) var source: texture_2d<f32>;
+     @group(0) @binding(1) var<storage, read_write> target_: array<vec4<u32>>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         let size = textureDimensions(source);
+         let at = vec2(id.x % size.x, id.x / size.x);
+         if at.y < size.y { target_[id.x] = bitcast<vec4<u32>>(textureLoad(source, at, 0)); }
+     }"
+
+    /// Every texel.
+    texel_ids TexelIds { sampled source: gibs_graph::Uint, write target_: [u32; 4] }
+    "@group(0) @binding(0) var source: texture_2d<u32>;
+     @group(0) @binding(1) var<storage, read_write> target_: array<vec4<u32>>;
+     @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+         let size = textureDimensions(source);
+         let at = vec2(id.x % size.x, id.x / size.x);
+         if at.y < size.y { target_[id.x] = textureLoad(source, at, 0); }
+     }"
 }
