@@ -1,6 +1,6 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
-use super::output::{print, say};
+use super::output::{print, say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::renderer::{device_scene, schedule};
 
@@ -21,6 +21,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     let loaded = args.scene.load()?;
     let scene = device_scene(&loaded.scene, &loaded.view)?;
+    for warning in &scene.warnings {
+        warning!("{warning}");
+    }
     let schedule = schedule(&scene, &loaded.view, loaded.size, &settings)?;
     match args.format.as_str() {
         "dot" => print(&schedule.to_dot())?,
