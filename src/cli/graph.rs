@@ -1,6 +1,6 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
-use super::output::{print, say};
+use super::output::{print, say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::gi::Gi;
 use gibs_passes::frame::Screen;
@@ -28,6 +28,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         &settings,
         Screen::Traced,
     )?;
+    for warning in &gi.scene().warnings {
+        warning!("{warning}");
+    }
     let schedule = gi.schedule();
     match args.format.as_str() {
         "dot" => print(&schedule.to_dot())?,

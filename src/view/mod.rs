@@ -34,7 +34,7 @@ pub struct View {
     pub animation: Vec<(usize, f64)>,
     /// Factor on radiance for display only; above zero.
     pub exposure: f32,
-    /// What was put right while the view was read, one sentence each.
+    /// What was put right or made up on the way to this view, one sentence each.
     pub warnings: Vec<String>,
 }
 
