@@ -21,7 +21,7 @@ fn rays_sum_to_the_budget() {
                 let exec = renderer.executable();
                 let batch = exec
                     .schedule()
-                    .resource("ray_batch")
+                    .output("rays")
                     .expect("the stage that shares rays out");
                 let args: DispatchArgs =
                     bytemuck::pod_read_unaligned(&exec.read(batch).expect("reads"));

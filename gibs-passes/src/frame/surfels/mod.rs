@@ -89,7 +89,7 @@ struct Grid {
     entries: Buffer<u32>,
 }
 
-/// Records the frame. Its outputs are those of the [`Screen`], `counters` and `overflow`; with queries also
+/// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
 /// `query_gathered` and, with lights, `query_direct`, of the input `query_points`.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     let settings = &frame.settings;

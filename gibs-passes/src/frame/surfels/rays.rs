@@ -46,6 +46,7 @@ pub(super) fn integrate_rays(
         },
         Dispatch::Elements(capacity + 1),
     );
+    g.output("rays", &allocated.batch);
     let rays = g.transient("surfel_rays", budget);
     let paths = g.transient("surfel_paths", budget);
     let generated = g.add::<generate_rays::GenerateRays>(
