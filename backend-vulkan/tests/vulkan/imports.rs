@@ -123,6 +123,27 @@ fn any_number_of_images_may_take_turns() {
     });
 }
 
+/// Images come to a step that runs alone as they come to a frame.
+#[test]
+fn a_step_takes_images_and_gives_them_back() {
+    engaged(|engine| {
+        let backend = engine.backend();
+        let mut e = executable(&backend, bytes(SIZE));
+        let turns = Turns::new(engine);
+        turns.frame(engine, &mut e, 0, false);
+        let source = turns.sources[0].image;
+        let commands = engine.begin();
+        engine.fill(commands, source, [1.0, 0.0, 1.0, 0.0]);
+        engine.submit(commands);
+        e.run_step(0).unwrap();
+        let commands = engine.begin();
+        engine.copy(commands, turns.targets[0].image, SIZE, &turns.room);
+        engine.submit(commands);
+        engine.wait();
+        assert_eq!(turns.room.read(), [255, 0, 255, 0].repeat(21));
+    });
+}
+
 /// What was lent does not touch the executable's own image, which is used again afterwards.
 #[test]
 fn own_images_come_back() {
