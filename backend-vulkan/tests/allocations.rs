@@ -1,5 +1,5 @@
 //! A frame allocates nothing once the first few have run.
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 #[path = "vulkan/engine/mod.rs"]
 mod engine;
 #[allow(dead_code)]
