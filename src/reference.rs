@@ -29,7 +29,7 @@ pub struct ReferenceOptions {
 }
 
 /// How certain a reference is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Certainty {
     /// Samples per pixel.
     pub samples: u32,
@@ -39,6 +39,8 @@ pub struct Certainty {
     pub fireflies: usize,
     /// Frames that ran: segments of the longest sequence of paths.
     pub frames: u32,
+    /// What the scene lost on the way to the device, as [`crate::Renderer::warnings`]; the picture is of the rest.
+    pub warnings: Vec<String>,
 }
 
 /// Lights whose direct light at the primary surfaces is exact; where there are more, as many are drawn.
@@ -202,6 +204,7 @@ fn compose(
         standard_error: if average > 0.0 { error / average } else { 0.0 },
         fireflies: paths.iter().filter(|p| firefly(p)).count(),
         frames,
+        warnings: device.warnings.clone(),
     };
     Ok((picture, certainty))
 }

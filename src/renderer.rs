@@ -1,16 +1,14 @@
 //! Rendering a scene with the surfel frame.
+use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
+use crate::query::{self, Irradiance};
 use crate::view::View;
 use gibs_graph::{Backend, BackendError, Executable, Graph, GraphErrors, Schedule};
 use gibs_passes::accel::BuildError;
 use gibs_passes::data::{SurfacePoint, SurfelCounters};
 use gibs_passes::device::DeviceScene;
-use gibs_passes::frame::{
-    FrameUpdate, SceneSizes, SettingError, Settings, SurfelFrame, pixel_angle, surfel_frame,
-    upload_frame, upload_scene,
-};
+use gibs_passes::frame::{Screen, SettingError, Settings};
 use gibs_passes::scene::Scene;
-use gibs_passes::shared::grid::GridLayout;
 use gibs_passes::shared::{octahedral, surface};
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
@@ -47,6 +45,16 @@ pub enum RenderError {
         /// Largest side.
         most: u32,
     },
+    /// Irradiance cannot be asked for like this.
+    #[error("irradiance of {points} points with {normals} normals: {problem}")]
+    Queries {
+        /// Points given.
+        points: usize,
+        /// Normals given.
+        normals: usize,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A picture could not be made of the channels.
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -58,13 +66,8 @@ pub const MOST_PIXELS: u32 = crate::view::MAX_RESOLUTION;
 /// Renders one scene on one backend, frame by frame.
 pub struct Renderer {
     exec: Box<dyn Executable>,
-    scene: DeviceScene,
+    gi: Gi,
     view: View,
-    settings: Settings,
-    size: [u32; 2],
-    seed: u32,
-    frame: u32,
-    grid: GridLayout,
 }
 
 /// A backend's shader compiler check, where this build has one.
@@ -104,29 +107,6 @@ pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
     }
 }
 
-/// The surfel frame of a scene, compiled.
-///
-/// # Errors
-/// [`RenderError::Graph`].
-pub fn schedule(
-    scene: &DeviceScene,
-    view: &View,
-    size: [u32; 2],
-    settings: &Settings,
-) -> Result<Schedule, RenderError> {
-    check_size(size)?;
-    settings.check()?;
-    let mut g = Graph::new("surfels");
-    let grid = settings.grid(pixel_angle(&view.camera, size));
-    let frame = SurfelFrame {
-        size,
-        grid,
-        settings: settings.clone(),
-    };
-    surfel_frame(&mut g, &frame, &SceneSizes::of(scene));
-    Ok(compile(g)?)
-}
-
 impl Renderer {
     /// Prepares the frame for a scene in a view.
     ///
@@ -140,22 +120,13 @@ impl Renderer {
         settings: &Settings,
         seed: u32,
     ) -> Result<Self, RenderError> {
-        check_size(size)?;
-        settings.check()?;
-        let scene = device_scene(scene, view)?;
-        let schedule = schedule(&scene, view, size, settings)?;
-        let grid = settings.grid(pixel_angle(&view.camera, size));
-        let mut exec = backend.prepare(Arc::new(schedule), None)?;
-        upload_scene(exec.as_mut(), &scene)?;
+        let gi = Gi::new(scene, view, size, settings, Screen::Traced)?.with_seed(seed);
+        let mut exec = backend.prepare(Arc::clone(gi.schedule()), None)?;
+        gi.upload_scene(exec.as_mut())?;
         Ok(Self {
             exec,
-            scene,
+            gi,
             view: view.clone(),
-            settings: settings.clone(),
-            size,
-            seed,
-            frame: 0,
-            grid,
         })
     }
 
@@ -164,16 +135,9 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn frame(&mut self) -> Result<(), RenderError> {
-        let update = FrameUpdate {
-            camera: &self.view.camera,
-            size: self.size,
-            number: self.frame,
-            seed: self.seed,
-            grid: self.grid,
-        };
-        upload_frame(self.exec.as_mut(), &self.scene, &self.settings, &update)?;
+        self.gi
+            .begin_frame(self.exec.as_mut(), &self.view.camera, None)?;
         self.exec.run()?;
-        self.frame = self.frame.wrapping_add(1);
         Ok(())
     }
 
@@ -192,6 +156,11 @@ impl Renderer {
         Ok(self.exec.wait()?)
     }
 
+    /// What runs on it: scene, size, schedule.
+    pub fn gi(&self) -> &Gi {
+        &self.gi
+    }
+
     /// The executable, for profiling and checks.
     pub fn executable(&mut self) -> &mut dyn Executable {
         self.exec.as_mut()
@@ -199,7 +168,22 @@ impl Renderer {
 
     /// What the scene lost on the way to the device.
     pub fn warnings(&self) -> &[String] {
-        &self.scene.warnings
+        &self.gi.scene().warnings
+    }
+
+    /// Light at points on surfaces, or anywhere: indirect irradiance from the surfels of the last frame, and direct
+    /// irradiance from the sun and the lights, drawn anew. Positions in the world, metres; unit normals. There is an
+    /// answer per point, as many points at a time as the setting `queries` says.
+    ///
+    /// # Errors
+    /// [`RenderError::Queries`] if the setting is 0 or the numbers of points and normals differ;
+    /// [`RenderError::Backend`].
+    pub fn irradiance(
+        &mut self,
+        points: &[DVec3],
+        normals: &[Vec3],
+    ) -> Result<Vec<Irradiance>, RenderError> {
+        query::irradiance(self.exec.as_mut(), &self.gi, points, normals)
     }
 
     /// Counters of the surfels after the last frame, and list entries that did not fit the grid.
@@ -229,7 +213,8 @@ impl Renderer {
         let direct: Vec<Vec4> = self.output("direct")?;
         let irradiance: Vec<Vec4> = self.output("irradiance")?;
         let color: Vec<Vec4> = self.output("color")?;
-        let mut picture = surface_channels(&points, self.size, &self.view, self.scene.origin)?;
+        let mut picture =
+            surface_channels(&points, self.gi.size(), &self.view, self.gi.scene().origin)?;
         set(&mut picture, "", color.iter().map(|c| c.truncate()))?;
         set(&mut picture, "E", irradiance.iter().map(|e| e.truncate()))?;
         set(&mut picture, "direct", direct.iter().map(|d| d.truncate()))?;

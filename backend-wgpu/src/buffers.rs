@@ -36,7 +36,8 @@ impl Allocation {
     /// Allocates, and writes the initial value.
     pub fn new(context: &Context, resource: &Resource) -> Result<Self, BackendError> {
         let count = match resource.kind {
-            _ if !resource.usage.on_device() => 0,
+            // An image has no buffer, and what is at home elsewhere uses that one.
+            _ if !resource.usage.on_device() || resource.image.is_some() || resource.room == 0 => 0,
             Kind::History(_) => 2,
             _ => 1,
         };
@@ -124,7 +125,7 @@ fn initial(resource: &Resource) -> Option<&Initial> {
 
 fn create(context: &Context, resource: &Resource) -> Result<wgpu::Buffer, BackendError> {
     // Copies and clears go by words; 16 bytes are the least that any binding may ask for.
-    let size = resource.bytes.next_multiple_of(4).max(16);
+    let size = resource.room.next_multiple_of(4).max(16);
     let descriptor = wgpu::BufferDescriptor {
         label: Some(&resource.key),
         size,

@@ -1,11 +1,13 @@
 //! A schedule that is ready to run.
-use crate::buffers::{Allocation, Parity, Readback, write};
+use crate::buffers::{Parity, Readback, write};
 use crate::context::Context;
 use crate::kernels::{Kernel, bind, kernel};
 use crate::limits;
+use crate::stores::{Import, Stores};
 use crate::timing::Timer;
 use gibs_graph::{
-    Action, BackendError, DispatchSize, Executable, ResourceId, Schedule, StepTime, check_range,
+    Action, BackendError, DispatchSize, DispatchStep, Executable, Kind, ResourceId, Schedule,
+    StepTime, check_range,
 };
 use std::any::Any;
 use std::sync::Arc;
@@ -14,8 +16,10 @@ use std::sync::Arc;
 pub struct WgpuExecutable {
     context: Arc<Context>,
     schedule: Arc<Schedule>,
-    allocations: Vec<Allocation>,
+    stores: Stores,
     steps: Vec<Prepared>,
+    /// Stages bind something that no bind group has yet.
+    unbound: bool,
     /// Of the last frame. A frame starts by turning it over, so that what was current becomes the frame before's.
     parity: Parity,
     readback: Readback,
@@ -33,7 +37,12 @@ struct Dispatch {
     step: usize,
     label: String,
     kernel: Arc<Kernel>,
-    groups: [wgpu::BindGroup; 2],
+    /// Every set of bind groups that was needed so far, with what it has from the host.
+    groups: Vec<(Vec<Import>, [wgpu::BindGroup; 2])>,
+    /// Index of the set for the next frame.
+    chosen: usize,
+    /// What it binds that a host may give.
+    imports: Vec<ResourceId>,
     size: DispatchSize,
 }
 
@@ -48,39 +57,31 @@ impl WgpuExecutable {
         for (_, step, dispatch) in schedule.dispatches() {
             kernel(&context, &step.label, dispatch)?;
         }
-        let allocations = allocate(&context, &schedule, adopt)?;
+        let old = adopt.map(|old| (old.stores, old.parity));
+        let stores = Stores::new(&context, &schedule, old)?;
         let mut steps = Vec::with_capacity(schedule.steps.len());
         for (i, step) in schedule.steps.iter().enumerate() {
             let label = &step.label;
             steps.push(match &step.action {
                 Action::Clear(resource) => Prepared::Clear(*resource),
-                Action::Dispatch(dispatch) => {
-                    let kernel = kernel(&context, label, dispatch)?;
-                    let groups = bind(
-                        &context,
-                        label,
-                        &kernel,
-                        dispatch,
-                        &schedule.resources,
-                        &allocations,
-                    )?;
-                    let (label, size) = (label.clone(), dispatch.size);
-                    Prepared::Dispatch(Box::new(Dispatch {
-                        step: i,
-                        label,
-                        kernel,
-                        groups,
-                        size,
-                    }))
-                }
+                Action::Dispatch(dispatch) => Prepared::Dispatch(Box::new(Dispatch {
+                    step: i,
+                    label: label.clone(),
+                    kernel: kernel(&context, label, dispatch)?,
+                    groups: Vec::new(),
+                    chosen: 0,
+                    imports: importable(&schedule, dispatch),
+                    size: dispatch.size,
+                })),
             });
         }
         let timer = Timer::new(&context, schedule.dispatches().map(|(i, ..)| i).collect())?;
         Ok(Self {
             context,
             schedule,
-            allocations,
+            stores,
             steps,
+            unbound: true,
             parity: Parity::default(),
             readback: Readback::default(),
             timer,
@@ -93,12 +94,113 @@ impl WgpuExecutable {
         Arc::ptr_eq(&self.context, context)
     }
 
+    /// Takes an image of the engine for an imported or exported one, from the next recorded frame on: a view of the
+    /// first mip level of a two-dimensional texture. One that is read needs `TEXTURE_BINDING` and a format of its class
+    /// (a depth view needs the aspect `DepthOnly`), one that is written needs `STORAGE_BINDING` and the very format.
+    /// Images that come again and again, as those of a swapchain do, cost bind groups only the first time.
+    ///
+    /// # Errors
+    /// [`BackendError::Refused`]; what else does not fit shows when a frame is recorded.
+    pub fn import_image(
+        &mut self,
+        resource: ResourceId,
+        view: &wgpu::TextureView,
+    ) -> Result<(), BackendError> {
+        let changed = self
+            .stores
+            .set_import(resource, Import::Image(view.clone()))?;
+        self.unbound |= changed;
+        Ok(())
+    }
+
+    /// Takes a buffer of the engine for an input or an output, from the next recorded frame on. It needs the usage
+    /// `STORAGE`, or `UNIFORM` or `INDIRECT`, as stages use it. What is uploaded goes to it as well, and needs
+    /// `COPY_DST`.
+    ///
+    /// # Errors
+    /// [`BackendError::Refused`]; what else does not fit shows when a frame is recorded.
+    pub fn import_buffer(
+        &mut self,
+        resource: ResourceId,
+        buffer: &wgpu::Buffer,
+    ) -> Result<(), BackendError> {
+        let changed = self
+            .stores
+            .set_import(resource, Import::Buffer(buffer.clone()))?;
+        self.unbound |= changed;
+        Ok(())
+    }
+
+    /// Forgets the bind groups of images and buffers that are not in use now: after a resize of the engine's images.
+    pub fn forget_imports(&mut self) {
+        for step in &mut self.steps {
+            if let Prepared::Dispatch(dispatch) = step {
+                dispatch.groups.clear();
+            }
+        }
+        self.unbound = true;
+    }
+
+    /// Makes or finds the bind groups for what stages bind now.
+    fn bind(&mut self) -> Result<(), BackendError> {
+        if !std::mem::take(&mut self.unbound) {
+            return Ok(());
+        }
+        // Until all is bound, another call starts over.
+        self.unbound = true;
+        for (step, prepared) in self.schedule.steps.iter().zip(&mut self.steps) {
+            let (Action::Dispatch(declared), Prepared::Dispatch(dispatch)) =
+                (&step.action, prepared)
+            else {
+                continue;
+            };
+            let now = |dispatch: &Dispatch| {
+                let imports = dispatch.imports.iter();
+                imports
+                    .filter_map(|&r| self.stores.import(r))
+                    .cloned()
+                    .collect()
+            };
+            let known = dispatch.groups.iter().position(|(imports, _)| {
+                let now = dispatch
+                    .imports
+                    .iter()
+                    .filter_map(|&r| self.stores.import(r));
+                imports.iter().eq(now)
+            });
+            if let Some(known) = known {
+                dispatch.chosen = known;
+                continue;
+            }
+            let imports = now(dispatch);
+            for binding in declared.bindings.iter().filter(|b| b.access.is_image()) {
+                if self.stores.import(binding.resource).is_none() {
+                    self.stores.own_image(&self.context, binding.resource)?;
+                }
+            }
+            let groups = bind(
+                &self.context,
+                &dispatch.label,
+                &dispatch.kernel,
+                declared,
+                &self.schedule,
+                &self.stores,
+            )?;
+            dispatch.chosen = dispatch.groups.len();
+            dispatch.groups.push((imports, groups));
+        }
+        self.unbound = false;
+        Ok(())
+    }
+
     /// Records one frame into an engine's encoder, without submitting it. Uploads take effect when the queue is next
-    /// submitted to, before everything in that submission: upload for one frame per submission.
+    /// submitted to, before everything in that submission: upload for one frame per submission. wgpu orders the frame
+    /// behind what the engine recorded before it, and what comes after it behind the frame.
     ///
     /// # Errors
     /// The device failed. What is wrong with the encoder itself shows when it is finished.
     pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), BackendError> {
+        self.bind()?;
         self.parity = self.parity.other();
         let context = Arc::clone(&self.context);
         context.guard(|| {
@@ -119,9 +221,7 @@ impl WgpuExecutable {
     /// The buffer of a resource for an engine to read from, or, of an input, to copy into; of a history, the one that
     /// the last recorded frame wrote. `None` where no stage sees it on the device.
     pub fn buffer(&self, resource: ResourceId) -> Option<&wgpu::Buffer> {
-        self.allocations
-            .get(resource as usize)?
-            .current(self.parity)
+        self.stores.current(resource, self.parity)
     }
 
     /// Records either one clear, or dispatches in one pass.
@@ -134,8 +234,9 @@ impl WgpuExecutable {
         match run {
             [] => {}
             [Prepared::Clear(resource), ..] => {
+                let bytes = self.schedule.resources[*resource as usize].bytes;
                 if let Some(buffer) = self.buffer(*resource) {
-                    encoder.clear_buffer(buffer, 0, None);
+                    encoder.clear_buffer(buffer, 0, Some(bytes.next_multiple_of(4)));
                 }
             }
             [Prepared::Dispatch(first), ..] => {
@@ -157,7 +258,10 @@ impl WgpuExecutable {
             return;
         }
         pass.set_pipeline(&dispatch.kernel.pipeline);
-        pass.set_bind_group(0, &dispatch.groups[self.parity.index()], &[]);
+        let Some((_, groups)) = dispatch.groups.get(dispatch.chosen) else {
+            return;
+        };
+        pass.set_bind_group(0, &groups[self.parity.index()], &[]);
         match dispatch.size {
             DispatchSize::Groups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
             DispatchSize::Indirect(args) => {
@@ -165,6 +269,24 @@ impl WgpuExecutable {
                     pass.dispatch_workgroups_indirect(args, 0);
                 }
             }
+        }
+    }
+
+    fn upload_image(&mut self, resource: ResourceId, bytes: &[u8]) -> Result<(), BackendError> {
+        let found = &self.schedule.resources[resource as usize];
+        if self.stores.import(resource).is_some() {
+            return Err(hosts_image(&found.key));
+        }
+        if bytes.len() as u64 != found.bytes {
+            return Err(BackendError::Refused {
+                what: format!("writing `{}`", found.key),
+                reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
+                remedy: "write the whole image, a value per texel".into(),
+            });
+        }
+        match self.stores.own_image(&self.context, resource)? {
+            Some(image) => image.write(&self.context, bytes),
+            None => Ok(()),
         }
     }
 
@@ -186,26 +308,25 @@ impl WgpuExecutable {
     }
 }
 
-/// Takes over what both schedules keep, and allocates the rest.
-fn allocate(
-    context: &Context,
-    schedule: &Schedule,
-    adopt: Option<WgpuExecutable>,
-) -> Result<Vec<Allocation>, BackendError> {
-    let mut adopted: Vec<Option<Allocation>> = schedule.resources.iter().map(|_| None).collect();
-    if let Some(mut old) = adopt {
-        for (from, to) in schedule.adoptions(&old.schedule) {
-            let allocation = std::mem::take(&mut old.allocations[from as usize]);
-            if allocation.is_on_device() && schedule.resources[to as usize].usage.on_device() {
-                adopted[to as usize] = Some(allocation.rebase(old.parity));
-            }
-        }
+/// What a stage binds that a host may give.
+fn importable(schedule: &Schedule, dispatch: &DispatchStep) -> Vec<ResourceId> {
+    let bound = dispatch.bindings.iter().filter(|b| b.access.is_bound());
+    let mut found: Vec<ResourceId> = bound.map(|b| b.resource).collect();
+    found.retain(|&r| {
+        !matches!(
+            schedule.resources[r as usize].kind,
+            Kind::State(_) | Kind::History(_)
+        )
+    });
+    found
+}
+
+fn hosts_image(key: &str) -> BackendError {
+    BackendError::Refused {
+        what: format!("reading or writing `{key}`"),
+        reason: "the image is the host's".into(),
+        remedy: "use it without the backend".into(),
     }
-    let resources = schedule.resources.iter();
-    resources
-        .zip(adopted)
-        .map(|(r, kept)| kept.map_or_else(|| Allocation::new(context, r), Ok))
-        .collect()
 }
 
 impl Executable for WgpuExecutable {
@@ -221,10 +342,14 @@ impl Executable for WgpuExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
-        let Some(buffer) = self.allocations[resource as usize].current(self.parity) else {
+        let found = &self.schedule.resources[resource as usize];
+        if found.image.is_some() {
+            return self.upload_image(resource, bytes);
+        }
+        let Some(buffer) = self.stores.current(resource, self.parity) else {
             return Ok(());
         };
-        let key = &self.schedule.resources[resource as usize].key;
+        let key = &found.key;
         let end = offset + bytes.len() as u64;
         if offset.is_multiple_of(4) && end.is_multiple_of(4) {
             return write(&self.context, buffer, key, offset, bytes);
@@ -253,6 +378,7 @@ impl Executable for WgpuExecutable {
                 message,
             });
         }
+        self.bind()?;
         self.submit(|this, encoder| {
             this.record_steps(encoder, std::slice::from_ref(&this.steps[step]), None);
             Ok(())
@@ -262,7 +388,16 @@ impl Executable for WgpuExecutable {
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
         check_range(&self.schedule, resource, 0, 0)?;
         let found = &self.schedule.resources[resource as usize];
-        match self.allocations[resource as usize].current(self.parity) {
+        if found.image.is_some() {
+            return match self.stores.import(resource) {
+                Some(_) => Err(hosts_image(&found.key)),
+                None => match self.stores.own_image(&self.context, resource)? {
+                    Some(image) => image.read(&self.context),
+                    None => Ok(Vec::new()),
+                },
+            };
+        }
+        match self.stores.current(resource, self.parity) {
             Some(buffer) => self
                 .readback
                 .read(&self.context, buffer, &found.key, found.bytes),
@@ -278,7 +413,7 @@ impl Executable for WgpuExecutable {
 
     fn reset(&mut self) -> Result<(), BackendError> {
         self.parity = Parity::default();
-        for (allocation, resource) in self.allocations.iter().zip(&self.schedule.resources) {
+        for (allocation, resource) in self.stores.allocations.iter().zip(&self.schedule.resources) {
             if allocation.is_on_device() {
                 allocation.reset(&self.context, resource)?;
             }

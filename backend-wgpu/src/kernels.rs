@@ -1,8 +1,10 @@
 //! Pipelines: each kernel compiled once per device, with a layout that follows from the stage's ports.
-use crate::buffers::{Allocation, Parity};
+use crate::buffers::Parity;
 use crate::context::{Context, lock, said};
+use crate::images;
 use crate::passthrough;
-use gibs_graph::{Access, BackendError, DispatchStep, Resource, WgslSource};
+use crate::stores::Stores;
+use gibs_graph::{Access, BackendError, DispatchStep, ImageFormat, Port, Schedule, WgslSource};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -26,6 +28,7 @@ enum Slot {
     Uniform,
     ReadOnly,
     ReadWrite,
+    Image(ImageFormat),
 }
 
 /// A kernel, ready to bind.
@@ -49,7 +52,7 @@ pub(crate) fn kernel(
     let slots = dispatch
         .ports
         .iter()
-        .filter_map(|port| Some((port.name, slot(port.access)?)))
+        .filter_map(|port| Some((port.name, slot(port)?)))
         .collect();
     let key = Key {
         name: source.name,
@@ -65,11 +68,12 @@ pub(crate) fn kernel(
     Ok(built)
 }
 
-fn slot(access: Access) -> Option<Slot> {
-    match access {
+fn slot(port: &Port) -> Option<Slot> {
+    match port.access {
         Access::Uniform => Some(Slot::Uniform),
         Access::Read | Access::Previous => Some(Slot::ReadOnly),
         Access::Write | Access::ReadWrite | Access::Atomic => Some(Slot::ReadWrite),
+        Access::Sampled | Access::Stored => port.image.map(Slot::Image),
         Access::HostOnly | Access::Indirect => None,
     }
 }
@@ -141,24 +145,27 @@ fn build(
 }
 
 fn layout_entry(binding: u32, slot: Slot) -> wgpu::BindGroupLayoutEntry {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
     let ty = match slot {
-        Slot::Uniform => wgpu::BufferBindingType::Uniform,
-        Slot::ReadOnly => wgpu::BufferBindingType::Storage { read_only: true },
-        Slot::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+        Slot::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+        Slot::ReadOnly => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
+        Slot::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+        Slot::Image(format) => images::binding_type(format),
     };
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty,
         count: None,
     }
 }
 
-/// The bind groups of a stage, one per parity; the same one twice where no history is involved.
+/// The bind groups of a stage, one per parity; the same one twice where no history is involved. Everything that the
+/// stage binds must be there.
 ///
 /// # Errors
 /// [`BackendError::Kernel`] with what wgpu said.
@@ -167,8 +174,8 @@ pub(crate) fn bind(
     label: &str,
     kernel: &Kernel,
     dispatch: &DispatchStep,
-    resources: &[Resource],
-    allocations: &[Allocation],
+    schedule: &Schedule,
+    stores: &Stores,
 ) -> Result<[wgpu::BindGroup; 2], BackendError> {
     let refuse = |message: String| BackendError::Kernel {
         stage: label.into(),
@@ -177,37 +184,41 @@ pub(crate) fn bind(
     let make = |parity: Parity| {
         let mut entries = Vec::with_capacity(kernel.numbers.len());
         for binding in dispatch.bindings.iter().filter(|b| b.access.is_bound()) {
-            let allocation = &allocations[binding.resource as usize];
-            let buffer = match binding.access {
-                Access::Previous => allocation.previous(parity),
-                _ => allocation.current(parity),
-            };
             let number = kernel
                 .numbers
                 .iter()
                 .find(|(port, _)| *port == binding.port)
                 .map(|(_, number)| *number);
-            let (Some(buffer), Some(number)) = (buffer, number) else {
+            let bound = if binding.access.is_image() {
+                stores
+                    .view(binding.resource)
+                    .map(wgpu::BindingResource::TextureView)
+            } else {
+                let resource = &schedule.resources[binding.resource as usize];
+                // Exactly the elements, so that arrayLength is the number of them; of a uniform the first.
+                let size = match binding.access {
+                    Access::Uniform => resource.element.size().into(),
+                    _ => resource.bytes,
+                };
+                let buffer = match binding.access {
+                    Access::Previous => stores.previous(binding.resource, parity),
+                    _ => stores.current(binding.resource, parity),
+                };
+                buffer.map(|buffer| {
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer,
+                        offset: 0,
+                        size: NonZeroU64::new(size),
+                    })
+                })
+            };
+            let (Some(resource), Some(binding)) = (bound, number) else {
                 return Err(refuse(format!(
                     "the port `{}` is bound but was not declared",
                     binding.port
                 )));
             };
-            let resource = &resources[binding.resource as usize];
-            // Exactly the elements, so that arrayLength is the number of them; of a uniform the first.
-            let size = match binding.access {
-                Access::Uniform => resource.element.size().into(),
-                _ => resource.bytes,
-            };
-            let range = wgpu::BufferBinding {
-                buffer,
-                offset: 0,
-                size: NonZeroU64::new(size),
-            };
-            entries.push(wgpu::BindGroupEntry {
-                binding: number,
-                resource: wgpu::BindingResource::Buffer(range),
-            });
+            entries.push(wgpu::BindGroupEntry { binding, resource });
         }
         let descriptor = wgpu::BindGroupDescriptor {
             label: Some(label),
@@ -224,7 +235,7 @@ pub(crate) fn bind(
     let rotates = dispatch
         .bindings
         .iter()
-        .any(|b| allocations[b.resource as usize].is_history());
+        .any(|b| stores.is_history(b.resource));
     let second = if rotates { make(odd)? } else { first.clone() };
     Ok([first, second])
 }

@@ -13,9 +13,11 @@ mod buffers;
 mod context;
 mod device;
 mod executable;
+mod images;
 mod kernels;
 mod limits;
 mod passthrough;
+mod stores;
 mod timing;
 
 pub use backend::WgpuBackend;

@@ -39,6 +39,12 @@ fn check_resource(
     limits: &wgpu::Limits,
     allow: &Allow<'_>,
 ) -> Result<(), BackendError> {
+    if let Some(image) = resource.image {
+        let limit = limits.max_texture_dimension_2d.into();
+        let what = || format!("the image `{}`, in texels along a side,", resource.key);
+        let longest = image.size[0].max(image.size[1]);
+        return allow(longest.into(), limit, &what, "use a smaller picture");
+    }
     let smaller = "use fewer surfels or rays, a smaller picture or scene, or the cpu backend";
     let what = |unit: &str| format!("{unit} `{}`, in bytes,", resource.key);
     allow(
@@ -74,18 +80,25 @@ fn check_stage(
     limits: &wgpu::Limits,
     allow: &Allow<'_>,
 ) -> Result<(), BackendError> {
-    let count = |uniform: bool| {
+    let count = |test: fn(Access) -> bool| {
         let bound = dispatch.bindings.iter().filter(|b| b.access.is_bound());
-        bound
-            .filter(|b| (b.access == Access::Uniform) == uniform)
-            .count() as u64
+        bound.filter(|b| test(b.access)).count() as u64
     };
     let what = |thing: &str| format!("stage `{label}`, in {thing},");
     let another = "use another device";
     let storage = u64::from(limits.max_storage_buffers_per_shader_stage);
-    allow(count(false), storage, &|| what("storage buffers"), another)?;
+    let is_storage = |access: Access| access != Access::Uniform && !access.is_image();
+    let buffers = count(is_storage);
+    allow(buffers, storage, &|| what("storage buffers"), another)?;
     let uniform = u64::from(limits.max_uniform_buffers_per_shader_stage);
-    allow(count(true), uniform, &|| what("uniform buffers"), another)?;
+    let uniforms = count(|access| access == Access::Uniform);
+    allow(uniforms, uniform, &|| what("uniform buffers"), another)?;
+    let sampled = u64::from(limits.max_sampled_textures_per_shader_stage);
+    let images = count(|access| access == Access::Sampled);
+    allow(images, sampled, &|| what("sampled textures"), another)?;
+    let stored = u64::from(limits.max_storage_textures_per_shader_stage);
+    let images = count(|access| access == Access::Stored);
+    allow(images, stored, &|| what("storage textures"), another)?;
 
     let size = dispatch.kernel.workgroup.map(u64::from);
     let invocations = u64::from(limits.max_compute_invocations_per_workgroup);

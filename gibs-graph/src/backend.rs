@@ -34,7 +34,8 @@ pub trait Executable: Any {
     /// The schedule.
     fn schedule(&self) -> &Arc<Schedule>;
 
-    /// Replaces bytes of a resource from `offset` on, in bytes. Of a history, the current allocation.
+    /// Replaces bytes of a resource from `offset` on, in bytes. Of a history, the current allocation; of an image, all
+    /// of its values, [`Texel::Value`](crate::Texel::Value)s row by row.
     ///
     /// # Errors
     /// Out of range, or the device failed.
@@ -57,7 +58,9 @@ pub trait Executable: Any {
     /// As [`Executable::run`].
     fn run_step(&mut self, step: usize) -> Result<(), BackendError>;
 
-    /// Waits for all work and returns the bytes of a resource; of a history, the value that the last frame made.
+    /// Waits for all work and returns the bytes of a resource; of a history, the value that the last frame made; of an
+    /// image, its values. A transient that is no output may have lost its value to one that shares its memory; see
+    /// [`Graph::keep_transients`](crate::Graph::keep_transients).
     ///
     /// # Errors
     /// The device failed.

@@ -73,6 +73,33 @@ element! {
         pad: u32,
     }
 
+    /// Conventions of an engine's G-buffer, and what the engine wants back. The depth is `depth_offset + depth_scale /
+    /// distance along the viewing axis`; normals are in the world's axes; albedo is linear; ids are those of scene nodes.
+    pub struct HostGbuffer {
+        /// See above.
+        depth_scale: f32,
+        /// See above.
+        depth_offset: f32,
+        /// Depth where nothing was drawn.
+        depth_clear: f32,
+        /// Distance between the values of a fixed-point depth buffer; 0 for floats.
+        depth_step: f32,
+        /// How far the picture was moved, pixels to the right and down.
+        jitter: Vec2,
+        /// Encoding of normals, see `shared::gbuffer`.
+        normals: u32,
+        /// 1 to get radiance, 0 to get irradiance.
+        radiance: u32,
+        /// Factor on what the engine gets.
+        exposure: f32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
+    }
+
     /// What changes every frame.
     pub struct Frame {
         /// Frame number, wrapping.
@@ -370,5 +397,25 @@ element! {
         overflow: u32,
         /// Rays of this frame.
         rays: u32,
+    }
+}
+
+impl HostGbuffer {
+    /// Depths of a perspective projection onto `[0, 1]` with these planes, metres: `far` is `None` for one without end,
+    /// `reversed` if near things have the larger depths. Plain normals, no jitter, irradiance at exposure 1.
+    pub fn perspective(near: f64, far: Option<f64>, reversed: bool) -> Self {
+        let (scale, offset) = match (far, reversed) {
+            (None, true) => (near, 0.0),
+            (None, false) => (-near, 1.0),
+            (Some(far), true) => (near * far / (far - near), -near / (far - near)),
+            (Some(far), false) => (-near * far / (far - near), far / (far - near)),
+        };
+        Self {
+            depth_scale: scale as f32,
+            depth_offset: offset as f32,
+            depth_clear: if reversed { 0.0 } else { 1.0 },
+            exposure: 1.0,
+            ..Self::default()
+        }
     }
 }

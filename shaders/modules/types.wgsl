@@ -63,6 +63,20 @@ struct Camera {
     pad: u32,
 }
 
+struct HostGbuffer {
+    depth_scale: f32,
+    depth_offset: f32,
+    depth_clear: f32,
+    depth_step: f32,
+    jitter: vec2<f32>,
+    normals: u32,
+    radiance: u32,
+    exposure: f32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
 struct Frame {
     number: u32,
     seed: u32,

@@ -1,8 +1,9 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
-use super::output::{print, say};
+use super::output::{print, say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
-use crate::renderer::{device_scene, schedule};
+use crate::gi::Gi;
+use gibs_passes::frame::Screen;
 
 /// Show the stages that a scene's frame consists of
 #[derive(Clone, Debug, clap::Args)]
@@ -20,8 +21,17 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     let loaded = args.scene.load()?;
-    let scene = device_scene(&loaded.scene, &loaded.view)?;
-    let schedule = schedule(&scene, &loaded.view, loaded.size, &settings)?;
+    let gi = Gi::new(
+        &loaded.scene,
+        &loaded.view,
+        loaded.size,
+        &settings,
+        Screen::Traced,
+    )?;
+    for warning in &gi.scene().warnings {
+        warning!("{warning}");
+    }
+    let schedule = gi.schedule();
     match args.format.as_str() {
         "dot" => print(&schedule.to_dot())?,
         "json" => say!("{}", schedule.to_json().unwrap_or_default()),

@@ -1,6 +1,6 @@
 //! `gibs profile`: time per stage.
 use super::CommandError;
-use super::output::say;
+use super::output::{say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::Renderer;
 use crate::backends::{self, Choice};
@@ -45,6 +45,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         &settings,
         0,
     )?;
+    for warning in renderer.warnings() {
+        warning!("{warning}");
+    }
     for _ in 0..args.frames {
         renderer.frame()?;
     }

@@ -1,6 +1,6 @@
 //! `gibs reference`: path-traced ground truth.
 use super::CommandError;
-use super::output::{check_finite, default_out, progress, say, write};
+use super::output::{check_finite, default_out, progress, say, warning, write};
 use super::scene::SceneArgs;
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
@@ -68,6 +68,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     );
     bar.finish_and_clear();
     let (picture, certainty) = rendered?;
+    for warning in &certainty.warnings {
+        warning!("{warning}");
+    }
     write(&picture, &out, loaded.view.exposure)?;
     check_finite(&picture)?;
     if args.json {

@@ -59,7 +59,7 @@ impl Source {
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => Ok(elements),
             other => {
                 let problem = format!(
-                    "has components of type {other:?} where {} needs unsigned integers",
+                    "has components of type {other:?} where {} needs unsigned integers; use 5121, 5123 or 5125",
                     owner()
                 );
                 Err(self.error(format!("accessors[{}]", index.value()), problem))
@@ -76,17 +76,25 @@ impl Source {
         let accessor = self.get(&self.root.accessors, "accessor", index, owner)?;
         let element = || format!("accessors[{}]", index.value());
         let Checked::Valid(GenericComponentType(component)) = accessor.component_type else {
-            return Err(self.error(element(), "has an unknown componentType"));
+            let found = self.stated(&format!("/accessors/{}/componentType", index.value()));
+            let problem =
+                format!("has componentType {found}; it must be 5120 to 5123, 5125 or 5126");
+            return Err(self.error(element(), problem));
         };
         let kind = match accessor.type_ {
             Checked::Valid(kind) if types.contains(&kind) => kind,
             Checked::Valid(kind) => {
                 return Err(self.error(
                     element(),
-                    format!("has type {kind:?} where {} needs {types:?}", owner()),
+                    format!("has type {kind:?} where {} needs {types:?}; refer to an accessor of that type", owner()),
                 ));
             }
-            Checked::Invalid => return Err(self.error(element(), "has an unknown type")),
+            Checked::Invalid => {
+                let found = self.stated(&format!("/accessors/{}/type", index.value()));
+                let problem =
+                    format!("has type {found}; it must be SCALAR, VEC2 to VEC4 or MAT2 to MAT4");
+                return Err(self.error(element(), problem));
+            }
         };
         let size = component.size() * kind.multiplicity();
         let mut stride = size;
@@ -98,7 +106,8 @@ impl Source {
             }
             if stride < size {
                 let problem = format!(
-                    "needs {size} bytes per element, but its bufferView's byteStride is {stride}"
+                    "needs {size} bytes per element, but its bufferView's byteStride is {stride}; leave the stride out or \
+                     make it as long"
                 );
                 return Err(self.error(element(), problem));
             }
@@ -106,7 +115,7 @@ impl Source {
             base = Some(self.fitting(bytes, offset, accessor.count.0, stride, size, element)?);
         } else if accessor.count.0 > MAX_ZERO_ELEMENTS {
             let problem = format!(
-                "has no bufferView and {} elements, more than is plausible",
+                "has no bufferView and {} elements, more than is plausible; add the bufferView or correct the count",
                 accessor.count.0
             );
             return Err(self.error(element(), problem));
@@ -149,7 +158,7 @@ impl Source {
         }
         let problem = format!(
             "{count} elements of {size} bytes, {stride} bytes apart from byte {offset} on, do not fit its bufferView \
-             of {} bytes",
+             of {} bytes; correct the count or export the file again",
             bytes.len()
         );
         Err(self.error(element(), problem))
@@ -163,10 +172,8 @@ impl Source {
         element: impl Fn() -> String,
     ) -> Result<Replaced<'a>, ImportError> {
         let Checked::Valid(IndexComponentType(component)) = sparse.indices.component_type else {
-            return Err(self.error(
-                element(),
-                "has an unknown componentType for its sparse indices",
-            ));
+            let problem = "has sparse indices of a componentType that is unknown; it must be 5121, 5123 or 5125";
+            return Err(self.error(element(), problem));
         };
         let (bytes, _) = self.view(sparse.indices.buffer_view, &element)?;
         let width = component.size();
@@ -192,7 +199,8 @@ impl Source {
             let place = integer(component, at);
             if u64::from(place) >= count || places.last().is_some_and(|&last| last >= place) {
                 let problem = format!(
-                    "has sparse index {place}, which is not above the previous one and below {count}"
+                    "has sparse index {place}, which is not above the previous one and below {count}; list \
+                     them in ascending order"
                 );
                 return Err(self.error(element(), problem));
             }

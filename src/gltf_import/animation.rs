@@ -39,7 +39,13 @@ pub(super) fn read(
                 }
             };
             if let Some(node) = tree.id(channel.target.node) {
-                channels.push(read_channel(source, node, property, sampler, &element)?);
+                let found = || {
+                    let s = channel.sampler.value();
+                    source.stated(&format!("/animations/{a}/samplers/{s}/interpolation"))
+                };
+                channels.push(read_channel(
+                    source, node, property, sampler, &element, found,
+                )?);
             }
         }
         animations.push(Animation {
@@ -56,13 +62,16 @@ fn read_channel(
     property: Property,
     sampler: &json::animation::Sampler,
     element: &dyn Fn() -> String,
+    stated_interpolation: impl FnOnce() -> String,
 ) -> Result<Channel, ImportError> {
     let interpolation = match sampler.interpolation {
         Checked::Valid(Kind::Linear) => Interpolation::Linear,
         Checked::Valid(Kind::Step) => Interpolation::Step,
         Checked::Valid(Kind::CubicSpline) => Interpolation::CubicSpline,
         Checked::Invalid => {
-            let problem = "has an unknown interpolation; it must be LINEAR, STEP or CUBICSPLINE";
+            let found = stated_interpolation();
+            let problem =
+                format!("has interpolation {found}; it must be LINEAR, STEP or CUBICSPLINE");
             return Err(source.error(element(), problem));
         }
     };

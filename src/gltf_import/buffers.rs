@@ -38,7 +38,7 @@ pub(super) fn load(
             let length = buffer.byte_length.0;
             if (bytes.len() as u64) < length {
                 let problem = format!(
-                    "{place} is cut off: {length} bytes are needed, it has {}",
+                    "{place} is cut off: {length} bytes are needed, it has {}; copy or export it again",
                     bytes.len()
                 );
                 return Err(ImportError::content(file, format!("buffers[{i}]"), problem));

@@ -2,6 +2,7 @@
 use super::error::ImportError;
 use super::warnings::Warnings;
 use gltf::json;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -68,6 +69,8 @@ pub(super) struct Document {
     pub(super) file: PathBuf,
     /// Its JSON.
     pub(super) root: json::Root,
+    /// The same as text says it, for what the typed form cannot hold.
+    pub(super) value: Value,
     /// The binary chunk of a GLB.
     pub(super) bin: Option<Vec<u8>>,
 }
@@ -88,18 +91,22 @@ pub(super) fn read(path: &Path, warnings: &mut Warnings) -> Result<Document, Imp
         (bytes.as_slice(), None)
     };
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let mut value: Value =
-        serde_json::from_slice(text).map_err(|e| format(format!("its JSON is broken: {e}")))?;
+    let mut value: Value = serde_json::from_slice(text)
+        .map_err(|e| format(format!("its JSON is broken: {e}; export it again")))?;
     check_version(&value).map_err(format)?;
     tidy(&mut value, warnings);
-    let root = match serde_json::from_value::<json::Root>(value.clone()) {
+    let root = match json::Root::deserialize(&value) {
         Ok(root) => root,
-        Err(error) => return Err(format(locate(&value).unwrap_or_else(|| error.to_string()))),
+        Err(error) => {
+            let place = locate(&value).unwrap_or_else(|| error.to_string());
+            return Err(format(format!("{place}; correct it or export it again")));
+        }
     };
     check_extensions(path, &root, warnings)?;
     Ok(Document {
         file: path.to_owned(),
         root,
+        value,
         bin: bin.map(<[u8]>::to_vec),
     })
 }
@@ -111,7 +118,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         Some(u32::from_le_bytes(bytes.try_into().ok()?))
     };
     let (Some(version), Some(length)) = (word(4), word(8)) else {
-        return Err("the GLB header is cut off".to_owned());
+        return Err("the GLB header is cut off; copy or export it again".to_owned());
     };
     if version != 2 {
         return Err(format!(
@@ -121,7 +128,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let end = length as usize;
     if end > bytes.len() {
         return Err(format!(
-            "the GLB is cut off: its header says {end} bytes, it has {}",
+            "the GLB is cut off: its header says {end} bytes, it has {}; copy or export it again",
             bytes.len()
         ));
     }
@@ -136,7 +143,9 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
             .filter(|&to| to <= end)
             .map(|to| &bytes[at + 8..to]);
         let chunk = chunk.ok_or_else(|| {
-            format!("the GLB chunk at byte {at} says {size} bytes, more than there are")
+            format!(
+                "the GLB chunk at byte {at} says {size} bytes, more than there are; copy or export it again"
+            )
         })?;
         match &kind.to_le_bytes() {
             b"JSON" if text.is_none() => text = Some(chunk),
@@ -145,7 +154,8 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         }
         at += 8 + chunk.len();
     }
-    Ok((text.ok_or("the GLB has no JSON chunk")?, bin))
+    let text = text.ok_or("the GLB has no JSON chunk; copy or export it again")?;
+    Ok((text, bin))
 }
 
 fn check_version(value: &Value) -> Result<(), String> {
@@ -155,7 +165,8 @@ fn check_version(value: &Value) -> Result<(), String> {
             .and_then(|asset| asset.get(key))
             .and_then(Value::as_str)
     };
-    let version = asset("version").ok_or("it has no asset.version, so it is no glTF")?;
+    let version = asset("version")
+        .ok_or("it has no asset.version, so it is no glTF; give a glTF 2.0 file")?;
     if version.split('.').next() != Some("2") {
         return Err(format!(
             "it is glTF {version}, only 2.0 is read; export it as glTF 2.0"

@@ -51,10 +51,17 @@ impl Plan {
             jobs: Vec::new(),
         };
         for (mesh, skinned) in drawn {
+            if source.root.meshes[mesh].primitives.is_empty() {
+                warnings.once("no primitives", || {
+                    format!("meshes[{mesh}] has no primitives and is left out")
+                });
+            }
             for (p, primitive) in source.root.meshes[mesh].primitives.iter().enumerate() {
                 let element = || format!("meshes[{mesh}].primitives[{p}]");
                 let Checked::Valid(mode) = primitive.mode else {
-                    return Err(source.error(element(), "has an unknown mode; it must be 0 to 6"));
+                    let found = source.stated(&format!("/meshes/{mesh}/primitives/{p}/mode"));
+                    let problem = format!("has mode {found}; it must be 0 to 6");
+                    return Err(source.error(element(), problem));
                 };
                 if !matches!(
                     mode,

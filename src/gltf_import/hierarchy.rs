@@ -87,7 +87,7 @@ impl Tree {
         self.nodes(source)
             .zip(&self.parents)
             .map(|((_, index, node), &parent)| Node {
-                name: node.name.clone().unwrap_or_default(),
+                name: (node.name.clone()).unwrap_or_else(|| format!("nodes[{index}]")),
                 parent,
                 local: local(index, node, warnings),
                 meshes: Vec::new(),

@@ -47,24 +47,24 @@ fn read(
             Target::Data(bytes) => (bytes.into(), String::new()),
             Target::File(path) => {
                 let bytes = std::fs::read(&path)
-                    .map_err(|e| format!("cannot read {}: {e}", path.display()))?;
+                    .map_err(|e| format!("cannot read {}: {e}; add the file", path.display()))?;
                 (bytes.into(), format!("{}: ", path.display()))
             }
         },
-        (None, None) => return Err("has neither a uri nor a bufferView".to_owned()),
+        (None, None) => return Err("has neither a uri nor a bufferView; add one".to_owned()),
     };
     let format = format(&bytes).map_err(|problem| format!("{place}{problem}"))?;
     // The reader's default limits refuse images of more than 512 MiB.
     let decoded = ImageReader::with_format(Cursor::new(bytes), format).decode();
     let rgba = decoded
-        .map_err(|e| format!("{place}cannot be decoded: {e}"))?
+        .map_err(|e| format!("{place}cannot be decoded: {e}; save it again"))?
         .into_rgba8();
     Ok(Texture {
         name: image
             .name
             .clone()
             .or_else(|| image.uri.clone().filter(|uri| !uri.starts_with("data:")))
-            .unwrap_or_default(),
+            .unwrap_or_else(|| format!("images[{}]", index.value())),
         width: rgba.width(),
         height: rgba.height(),
         texels: rgba.pixels().map(|texel| texel.0).collect(),

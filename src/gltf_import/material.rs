@@ -114,16 +114,15 @@ impl MaterialSet {
             }
             Checked::Valid(json::material::AlphaMode::Blend) => AlphaMode::Blend,
             Checked::Invalid => {
-                return Err(source.error(
-                    element(),
-                    "has an unknown alphaMode; it must be OPAQUE, MASK or BLEND",
-                ));
+                let found = source.stated(&format!("/materials/{index}/alphaMode"));
+                let problem = format!("has alphaMode {found}; it must be OPAQUE, MASK or BLEND");
+                return Err(source.error(element(), problem));
             }
         };
         let [r, g, b, alpha] = factor;
         let uv_set = base_texture.or(emission_texture).map(|(_, set)| set);
         let material = Material {
-            name: material.name.clone().unwrap_or_default(),
+            name: material.name.clone().unwrap_or_else(element),
             base_color: Vec3::new(r, g, b),
             alpha,
             base_color_texture: base_texture.map(|(texture, _)| texture),
@@ -167,7 +166,17 @@ impl MaterialSet {
         }
         source.get(&source.root.images, "image", texture.source, element)?;
         let sampler = match texture.sampler {
-            Some(index) => sampler(source.get(&source.root.samplers, "sampler", index, element)?),
+            Some(index) => {
+                let stored = source.get(&source.root.samplers, "sampler", index, element)?;
+                if is_unknown(stored) {
+                    warnings.once("sampler", || {
+                        let i = index.value();
+                        let found = source.stated(&format!("/samplers/{i}"));
+                        format!("samplers[{i}] is {found}; what is unknown in it has no effect")
+                    });
+                }
+                sampler(stored)
+            }
             None => Sampler::default(),
         };
         let images = &mut self.images;
@@ -200,6 +209,13 @@ impl MaterialSet {
             set,
         )))
     }
+}
+
+/// Whether a sampler wraps or magnifies in a way that glTF does not know.
+fn is_unknown(sampler: &json::texture::Sampler) -> bool {
+    sampler.wrap_s == Checked::Invalid
+        || sampler.wrap_t == Checked::Invalid
+        || sampler.mag_filter == Some(Checked::Invalid)
 }
 
 /// Wrapping and filter. There are no mip maps, so only the magnification filter counts; unknown values are defaults.

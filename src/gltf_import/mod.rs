@@ -46,7 +46,7 @@ pub struct Imported {
 /// Reads the default scene of a glTF file (else its first scene, else every root node).
 ///
 /// A glTF primitive becomes one mesh; clips keep their indices; only materials, textures and skins that the scene uses
-/// are read. Images that cannot be decoded are a warning, and the surface keeps its plain factor. Vertex positions stay
+/// are read. What has no name is named by its place in the file, as in `nodes[3]`. Images that cannot be decoded are a warning, and the surface keeps its plain factor. Vertex positions stay
 /// in mesh space, intensities are taken as they stand (candela as W/sr, lux as W/m^2).
 ///
 /// # Errors

@@ -89,7 +89,7 @@ fn read_skin(
             let matrices = source.reals(accessor, &[Type::Mat4], &element)?;
             if matrices.count < joints.len() {
                 let problem = format!(
-                    "has {} joints, but {} inverse bind matrices",
+                    "has {} joints, but {} inverse bind matrices; give one for each joint",
                     joints.len(),
                     matrices.count
                 );
@@ -125,11 +125,10 @@ fn light(
             }
         }
         Checked::Invalid => {
-            let element = format!("KHR_lights_punctual.lights[{}]", index.value());
-            return Err(source.error(
-                element,
-                "has an unknown type; it must be directional, point or spot",
-            ));
+            let i = index.value();
+            let found = source.stated(&format!("/extensions/KHR_lights_punctual/lights/{i}/type"));
+            let problem = format!("has type {found}; it must be directional, point or spot");
+            return Err(source.error(format!("KHR_lights_punctual.lights[{i}]"), problem));
         }
     };
     Ok(Light {

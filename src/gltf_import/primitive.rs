@@ -15,7 +15,7 @@ use gltf::json::validation::Checked;
 pub(super) struct Reader<'a> {
     source: &'a Source,
     job: &'a Job,
-    name: &'a str,
+    name: Option<&'a str>,
     primitive: &'a Primitive,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Reader<'a> {
         Self {
             source,
             job,
-            name: mesh.name.as_deref().unwrap_or_default(),
+            name: mesh.name.as_deref(),
             primitive,
         }
     }
@@ -63,6 +63,9 @@ impl<'a> Reader<'a> {
         }
         let mut triangles = triangles(self.job.mode, &corners);
         if triangles.is_empty() {
+            warnings.once("no triangles", || {
+                format!("{} has no triangles and is left out", self.element())
+            });
             return Ok(None);
         }
         let vertices = Vertices::used(&mut triangles, positions.count);
@@ -85,7 +88,7 @@ impl<'a> Reader<'a> {
         };
         self.warn_unsupported(warnings);
         Ok(Some(Mesh {
-            name: self.name.to_owned(),
+            name: self.name.map_or_else(|| self.element(), str::to_owned),
             positions: vertices.map(|i| Vec3::from(positions.real::<3>(i))),
             normals: normals.map_or(Vec::new(), |normals| {
                 vertices.map(|i| Vec3::from(normals.real::<3>(i)))
@@ -177,7 +180,7 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let problem = format!(
-            "has {} elements beside {} positions",
+            "has {} elements beside {} positions; give one for each position",
             elements.count,
             expected.unwrap_or(0)
         );
@@ -205,7 +208,7 @@ impl<'a> Reader<'a> {
             .position(|&corner| corner as usize >= vertices)
         {
             let problem = format!(
-                "has vertex {} at place {at}, but there are {vertices} vertices",
+                "has vertex {} at place {at}, but there are {vertices} vertices; correct the index or export the file again",
                 corners[at]
             );
             return Err(self.source.error(owner(), problem));
@@ -234,8 +237,9 @@ impl<'a> Reader<'a> {
                     .filter(|&(_, weight)| weight != 0.0)
                 {
                     let Ok(joint) = u16::try_from(joint) else {
-                        let problem =
-                            format!("has joint {joint}; at most 65535 joints are supported");
+                        let problem = format!(
+                            "has joint {joint}; at most 65535 joints are supported, so split the skin"
+                        );
                         return Err(self.source.error(self.element(), problem));
                     };
                     // A joint named twice counts once, with both weights.

@@ -3,6 +3,7 @@ use super::buffers;
 use super::document::Document;
 use super::error::ImportError;
 use gltf::json;
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// A document with its buffers in memory.
@@ -11,6 +12,7 @@ pub(super) struct Source {
     pub(super) file: PathBuf,
     /// The JSON.
     pub(super) root: json::Root,
+    value: Value,
     /// Content per buffer; `None` where nothing was stored (see [`buffers::load`]).
     buffers: Vec<Option<Vec<u8>>>,
 }
@@ -18,11 +20,17 @@ pub(super) struct Source {
 impl Source {
     /// Reads the buffers of a document.
     pub(super) fn open(document: Document) -> Result<Self, ImportError> {
-        let Document { file, root, bin } = document;
+        let Document {
+            file,
+            root,
+            value,
+            bin,
+        } = document;
         let buffers = buffers::load(&file, &root, bin)?;
         Ok(Self {
             file,
             root,
+            value,
             buffers,
         })
     }
@@ -34,6 +42,13 @@ impl Source {
         problem: impl Into<String>,
     ) -> ImportError {
         ImportError::content(&self.file, element, problem)
+    }
+
+    /// What the file has at a JSON pointer: the typed document forgets values that glTF does not know.
+    pub(super) fn stated(&self, pointer: &str) -> String {
+        self.value
+            .pointer(pointer)
+            .map_or_else(|| "missing".to_owned(), Value::to_string)
     }
 
     /// The element of a list that `owner` refers to.
@@ -48,7 +63,7 @@ impl Source {
             self.error(
                 owner(),
                 format!(
-                    "refers to {what} {}, but there are {}",
+                    "refers to {what} {}, but there are {}; correct the index or add what it refers to",
                     index.value(),
                     list.len()
                 ),
@@ -82,7 +97,7 @@ impl Source {
         let Some(to) = to else {
             let length = view.byte_length.0;
             let problem = format!(
-                "{length} bytes from byte {from} do not fit buffer {buffer} of {} bytes",
+                "{length} bytes from byte {from} do not fit buffer {buffer} of {} bytes; correct them or export the file again",
                 bytes.len()
             );
             return Err(self.error(element(), problem));

@@ -52,7 +52,7 @@ fn scheme(uri: &str) -> Option<&str> {
 fn data_uri(rest: &str) -> Result<Vec<u8>, String> {
     let (head, payload) = rest
         .split_once(',')
-        .ok_or("the data URI has no comma before its data")?;
+        .ok_or("the data URI has no comma before its data; export the file again")?;
     let payload = percent_decode(payload);
     let is_base64 = head
         .rsplit(';')
@@ -102,7 +102,7 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, String> {
             _ => {
                 let shown = char::from(byte);
                 return Err(format!(
-                    "the data URI has {shown:?} at place {i} of its base64 text"
+                    "the data URI has {shown:?} at place {i} of its base64 text; export the file again"
                 ));
             }
         };
@@ -115,7 +115,7 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, String> {
     }
     // Six bits left over cannot be part of any byte.
     if filled >= 6 {
-        Err("the data URI's base64 text is cut off".to_owned())
+        Err("the data URI's base64 text is cut off; copy or export the file again".to_owned())
     } else {
         Ok(out)
     }

@@ -1,7 +1,7 @@
 //! Reading of environment maps.
 use super::ViewError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use gibs_passes::scene::EnvironmentMap;
+use gibs_passes::scene::{EnvironmentMap, MOST_RADIANCE};
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, codecs::hdr::HdrDecoder};
 use std::{fs::File, io::BufReader, path::Path};
@@ -39,7 +39,7 @@ pub(super) fn load(
     }
     if clamped > 0 {
         warnings.push(format!(
-            "environment map {}: {clamped} of {} texels were negative or not finite and were clamped",
+            "environment map {}: {clamped} of {} texels were negative, not finite or above 1e13 and were clamped",
             file.display(),
             texels.len()
         ));
@@ -56,7 +56,7 @@ fn clamped_channel(value: f32) -> f32 {
     match value {
         v if v.is_nan() || v < 0.0 => 0.0,
         f32::INFINITY => LARGEST_TEXEL,
-        v => v,
+        v => v.min(MOST_RADIANCE),
     }
 }
 

@@ -15,7 +15,7 @@
 //! }
 //! ```
 use super::{DEFAULT_RESOLUTION, MAX_RESOLUTION, View, ViewError, environment};
-use gibs_passes::scene::{Camera, Environment, Sun};
+use gibs_passes::scene::{Camera, Environment, MOST_RADIANCE, Sun};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -149,10 +149,10 @@ impl Check<'_> {
 
     fn light(&self, field: &'static str, value: [f64; 3]) -> Result<Vec3, ViewError> {
         let light = DVec3::from_array(value).as_vec3();
-        if light.is_finite() && light.min_element() >= 0.0 {
+        if light.is_finite() && light.min_element() >= 0.0 && light.max_element() <= MOST_RADIANCE {
             return Ok(light);
         }
-        let remedy = "give three numbers, linear red, green and blue, none below zero";
+        let remedy = "give three numbers from 0 to 1e13, linear red, green and blue";
         Err(self.wrong(field, format!("{value:?}"), remedy))
     }
 

@@ -34,7 +34,7 @@ pub struct View {
     pub animation: Vec<(usize, f64)>,
     /// Factor on radiance for display only; above zero.
     pub exposure: f32,
-    /// What was put right while the view was read, one sentence each.
+    /// What was put right or made up on the way to this view, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -89,4 +89,20 @@ pub enum ViewError {
         /// What to do about it.
         remedy: &'static str,
     },
+}
+
+impl View {
+    /// What a camera sees, without sun or sky.
+    pub fn of(camera: Camera) -> Self {
+        Self {
+            scene: None,
+            camera,
+            resolution: DEFAULT_RESOLUTION,
+            sun: None,
+            environment: Environment::default(),
+            animation: Vec::new(),
+            exposure: 1.0,
+            warnings: Vec::new(),
+        }
+    }
 }

@@ -28,6 +28,7 @@ mod tests;
 pub use build::{BlasInput, InstanceInput, MeshPart};
 pub use collapse::Wide;
 pub use error::{BuildError, LeftOut};
+pub use place::MAX_WORLD_COORDINATE;
 pub use two_level::{Stats, TwoLevel};
 pub use types::{
     AccelView, BvhNode, Hit, Instance, MAX_COORDINATE, NONE, PACKET, Ray, Triangle, WideNode,

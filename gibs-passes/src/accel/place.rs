@@ -7,7 +7,7 @@ use super::level::Bounds;
 use super::types::{BvhNode, Instance};
 
 /// World coordinates beyond this take an instance out of the scene.
-const MAX_WORLD_COORDINATE: f64 = 1e18;
+pub const MAX_WORLD_COORDINATE: f64 = 1e18;
 
 /// Writes the transform of an instance and returns its padded world box.
 pub(super) fn place_instance(

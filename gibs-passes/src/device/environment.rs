@@ -25,6 +25,13 @@ pub struct EnvironmentTable {
 }
 
 impl EnvironmentTable {
+    /// No light comes from anywhere.
+    pub fn is_black(&self) -> bool {
+        self.texels
+            .iter()
+            .all(|texel| texel.truncate() == Vec3::ZERO)
+    }
+
     /// Converts an environment. A constant one is left to cosine sampling.
     pub fn build(environment: &Environment) -> Self {
         match environment {

@@ -1,8 +1,8 @@
 //! Meshes into bottom levels, nodes into instances.
 use super::relative;
-use crate::accel::{BlasInput, BuildError, InstanceInput, MeshPart, TwoLevel, Wide};
-use crate::data::{Corners, NONE};
-use crate::scene::{AlphaMode, Material, Mesh, Pose, Scene};
+use crate::accel::{BlasInput, BuildError, InstanceInput, LeftOut, MeshPart, TwoLevel, Wide};
+use crate::data::{Corners, Instance, NONE};
+use crate::scene::{AlphaMode, Material, Mesh, Pose, Scene, label};
 use crate::shared::octahedral;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -70,16 +70,8 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
     let inputs: Vec<BlasInput<'_>> = parts.iter().map(|parts| BlasInput { parts }).collect();
     let tree = TwoLevel::build(&inputs, &instances)?;
     let wide = Wide::build(&tree);
-    let warnings = tree
-        .stats
-        .left_out
-        .iter()
-        .map(|(instance, why)| {
-            let node = instances[*instance as usize].transform_id as usize;
-            format!("node `{}` is left out: {why}", scene.nodes[node].name)
-        })
-        .collect();
-    let bounds = bounds(scene, &levels, &instances);
+    let warnings = left_out(scene, &tree);
+    let bounds = bounds(scene, &levels, &instances, &tree);
     Ok(Geometry {
         tree,
         wide,
@@ -87,6 +79,39 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
         bounds,
         warnings,
     })
+}
+
+/// One warning for each reason to leave nodes out, and one if none is left.
+fn left_out(scene: &Scene, tree: &TwoLevel) -> Vec<String> {
+    let left_out = &tree.stats.left_out;
+    let mut reasons: Vec<LeftOut> = Vec::new();
+    for &(_, why) in left_out {
+        if !reasons.contains(&why) {
+            reasons.push(why);
+        }
+    }
+    let mut warnings: Vec<String> = reasons
+        .iter()
+        .filter_map(|why| {
+            let mut nodes = left_out.iter().filter(|(_, other)| other == why);
+            let first = tree.instances[nodes.next()?.0 as usize].transform_id as usize;
+            let first = label("node", first, &scene.nodes[first].name);
+            Some(match nodes.count() {
+                0 => format!("{first} is left out: {why}"),
+                more => format!(
+                    "{} nodes are left out; of the first, {first}: {why}",
+                    more + 1
+                ),
+            })
+        })
+        .collect();
+    if left_out.len() == tree.instances.len() {
+        warnings.push(
+            "the scene has no triangles to draw, the picture shows only the sky; give a node a mesh with triangles"
+                .to_owned(),
+        );
+    }
+    warnings
 }
 
 fn borrow<'a>(scene: &'a Scene, part: &'a Part) -> MeshPart<'a> {
@@ -172,9 +197,18 @@ fn push_corners(mesh: &Mesh, normals: &[Vec3], corners: &mut Vec<Corners>) {
     }));
 }
 
-fn bounds(scene: &Scene, levels: &[Level], instances: &[InstanceInput]) -> (Vec3, Vec3) {
+/// Corners of the box of all that rays can hit.
+fn bounds(
+    scene: &Scene,
+    levels: &[Level],
+    instances: &[InstanceInput],
+    tree: &TwoLevel,
+) -> (Vec3, Vec3) {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for instance in instances {
+    for (instance, placed) in instances.iter().zip(&tree.instances) {
+        if placed.flags & Instance::LEFT_OUT != 0 {
+            continue;
+        }
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for part in &levels[instance.blas as usize].parts {
             let own = &scene.meshes[part.mesh as usize].positions;
@@ -182,9 +216,6 @@ fn bounds(scene: &Scene, levels: &[Level], instances: &[InstanceInput]) -> (Vec3
                 low = low.min(p);
                 high = high.max(p);
             }
-        }
-        if low.x > high.x {
-            continue;
         }
         for i in 0..8 {
             let pick = |bit: u32, low: f32, high: f32| {

@@ -55,8 +55,16 @@ impl DeviceScene {
         environment: &Environment,
     ) -> Result<Self, BuildError> {
         let (materials, texels) = materials::pack(scene);
-        let geometry = geometry::build(scene, pose, origin)?;
+        let mut geometry = geometry::build(scene, pose, origin)?;
         let emitters = EmitterTable::build(&geometry.tree, &materials);
+        let lights = lights::pack(scene, pose, origin, sun, &mut geometry.warnings);
+        let environment = EnvironmentTable::build(environment);
+        if lights.is_empty() && !shines(scene) && environment.is_black() {
+            geometry.warnings.push(
+                "nothing in the scene or the view shines, so the picture is black; add a light, a sun or a sky"
+                    .to_owned(),
+            );
+        }
         Ok(Self {
             origin,
             tree: geometry.tree,
@@ -64,13 +72,13 @@ impl DeviceScene {
             corners: geometry.corners,
             materials,
             texels,
-            lights: lights::pack(scene, pose, origin, sun),
+            lights,
             transforms: pose
                 .world
                 .iter()
                 .map(|world| transform(relative(world, origin)))
                 .collect(),
-            environment: EnvironmentTable::build(environment),
+            environment,
             emitters,
             bounds: geometry.bounds,
             warnings: geometry.warnings,
@@ -86,6 +94,13 @@ impl DeviceScene {
             1.0
         }
     }
+}
+
+/// Whether any mesh that is drawn emits light.
+fn shines(scene: &Scene) -> bool {
+    let meshes = scene.nodes.iter().flat_map(|node| &node.meshes);
+    let mut materials = meshes.map(|&mesh| scene.meshes[mesh as usize].material);
+    materials.any(|material| scene.materials[material as usize].emission != Vec3::ZERO)
 }
 
 /// A world transform relative to the floating origin.

@@ -95,7 +95,10 @@ impl SceneInputs {
 }
 
 /// Writes `data` to the input called `key`, if the schedule has it.
-pub(crate) fn upload<T: Pod>(
+///
+/// # Errors
+/// As [`Executable::upload`].
+pub fn upload<T: Pod>(
     exec: &mut dyn Executable,
     key: &str,
     data: &[T],

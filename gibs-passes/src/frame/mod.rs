@@ -5,7 +5,9 @@ mod settings;
 mod surfels;
 mod trace;
 
-pub use inputs::{FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload_frame, upload_scene};
+pub use inputs::{
+    FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload, upload_frame, upload_scene,
+};
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};
 pub use settings::{SettingError, SettingInfo, Settings};
-pub use surfels::{SurfelFrame, surfel_frame};
+pub use surfels::{Screen, SurfelFrame, surfel_frame};

@@ -36,6 +36,8 @@ pub struct Settings {
     pub grid_lists: u32,
     /// See [`Settings::all`].
     pub grid_half: f32,
+    /// See [`Settings::all`].
+    pub queries: u32,
 }
 
 impl Default for Settings {
@@ -55,6 +57,7 @@ impl Default for Settings {
             grid_reach: 400.0,
             grid_lists: 8,
             grid_half: 1.0 / 64.0,
+            queries: 0,
         }
     }
 }
@@ -181,6 +184,7 @@ settings! {
     grid_reach: f32, "half cubes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
     grid_lists: u32, "entries", 1, 64, "room in the lists of the grid's cells, per surfel of capacity";
     grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
+    queries: u32, "points", 0, 1_048_576, "most points at a time for which a program asks irradiance; 0 for no stage for it";
 }
 
 impl Settings {

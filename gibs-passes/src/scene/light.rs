@@ -13,6 +13,10 @@ pub struct Light {
     pub intensity: Vec3,
 }
 
+/// Most that a light, a surface or a sky may give in any channel, in the unit of each. Estimators square sums of a
+/// million radiances, which must still fit an `f32`.
+pub const MOST_RADIANCE: f32 = 1e13;
+
 /// Shape of a punctual light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {

@@ -15,12 +15,13 @@ mod validate;
 
 pub use animation::{Animation, Channel, Interpolation, Keyframes, Sample};
 pub use camera::Camera;
-pub use light::{Environment, EnvironmentMap, Light, LightKind, Sun};
+pub use light::{Environment, EnvironmentMap, Light, LightKind, MOST_RADIANCE, Sun};
 pub use material::{AlphaMode, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Mesh, SkinVertex};
 pub use pose::Pose;
 pub use skinning::SkinnedMesh;
 pub use validate::SceneDataError;
+pub(crate) use validate::label;
 
 use glam::{DAffine3, DQuat, DVec3};
 

@@ -6,7 +6,7 @@ mod mesh;
 mod motion;
 mod surface;
 
-use super::{Material, Scene};
+use super::{MOST_RADIANCE, Material, Scene};
 use glam::{DVec3, Vec3};
 
 /// What is wrong with a scene. The text names the element, the value and what to do.
@@ -91,7 +91,7 @@ impl Scene {
 }
 
 /// `mesh 3 "wall"`, or `mesh 3` without a name.
-fn label(kind: &str, index: usize, name: &str) -> String {
+pub(crate) fn label(kind: &str, index: usize, name: &str) -> String {
     if name.is_empty() {
         format!("{kind} {index}")
     } else {
@@ -132,16 +132,21 @@ fn bad_value(
     }
 }
 
-/// A colour or radiance must be finite and not negative.
+/// Light must be finite and not negative, and leave room for sums.
 fn check_radiance(
     element: impl FnOnce() -> String,
     what: &str,
     v: Vec3,
 ) -> Result<(), SceneDataError> {
-    if v.is_finite() && v.min_element() >= 0.0 {
+    if v.is_finite() && v.min_element() >= 0.0 && v.max_element() <= MOST_RADIANCE {
         return Ok(());
     }
-    Err(bad_value(element(), what, v, "finite and not negative"))
+    Err(bad_value(
+        element(),
+        what,
+        v,
+        "finite, not negative and at most 1e13",
+    ))
 }
 
 /// A point or extent must be finite.

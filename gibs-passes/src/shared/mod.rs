@@ -4,6 +4,7 @@ pub mod batch;
 pub mod emitter;
 pub mod environment;
 pub mod estimator;
+pub mod gbuffer;
 pub mod grid;
 pub mod hash;
 pub mod lookup;

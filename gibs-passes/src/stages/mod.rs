@@ -4,6 +4,7 @@ pub mod allocate_rays;
 pub mod batch_args;
 pub mod compose;
 pub mod continue_paths;
+pub mod export_indirect;
 pub mod gap_fill;
 pub mod gather_direct;
 pub mod gather_surfels;
@@ -11,6 +12,7 @@ pub mod generate_rays;
 pub mod grid_count;
 pub mod grid_order;
 pub mod grid_scatter;
+pub mod import_gbuffer;
 pub mod integrate;
 pub mod light_batch;
 pub mod positional_update;
@@ -60,6 +62,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<batch_args::BatchArgs>(),
         info::<compose::Compose>(),
         info::<continue_paths::ContinuePaths>(),
+        info::<export_indirect::ExportIndirect>(),
         info::<gap_fill::GapFill>(),
         info::<gather_direct::GatherDirect>(),
         info::<gather_surfels::GatherSurfels>(),
@@ -67,6 +70,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<grid_count::GridCount>(),
         info::<grid_order::GridOrder>(),
         info::<grid_scatter::GridScatter>(),
+        info::<import_gbuffer::ImportGbuffer>(),
         info::<integrate::Integrate>(),
         info::<light_batch::LightBatch>(),
         info::<positional_update::PositionalUpdate>(),

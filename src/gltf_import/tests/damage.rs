@@ -20,7 +20,7 @@ fn broken_bytes_are_named() {
     };
     broken(
         &|g| g.bin[..4].copy_from_slice(&f32::NAN.to_le_bytes()),
-        &["mesh 0, vertex 0", "NaN"],
+        &["mesh 0 \"meshes[0].primitives[0]\", vertex 0", "NaN"],
     );
     broken(
         &|g| {
@@ -34,7 +34,11 @@ fn broken_bytes_are_named() {
             let at = start(g, 2);
             g.bin[at] = 5;
         },
-        &["mesh 0, vertex 0", "joint 5", "there are 1"],
+        &[
+            "mesh 0 \"meshes[0].primitives[0]\", vertex 0",
+            "joint 5",
+            "there are 1",
+        ],
     );
     broken(
         &|g| {

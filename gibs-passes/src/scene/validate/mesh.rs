@@ -1,5 +1,6 @@
 //! Checks and repairs of geometry.
-use super::{SceneDataError, Tally, bad_value, check_finite, check_index, label};
+use super::{SceneDataError, Tally, bad_value, check_index, label};
+use crate::accel::MAX_COORDINATE;
 use crate::scene::Mesh;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -28,7 +29,11 @@ pub(super) fn meshes(
         )?;
         lengths(i, mesh)?;
         for (v, p) in mesh.positions.iter().enumerate() {
-            check_finite(|| vertex(i, mesh, v), "position", p.as_dvec3())?;
+            // Not `>`: the comparison must also fail for NaN.
+            if !p.abs().cmplt(Vec3::splat(MAX_COORDINATE)).all() {
+                let expected = "finite and below 1e12 in magnitude";
+                return Err(bad_value(vertex(i, mesh, v), "position", p, expected));
+            }
         }
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             for &corner in triangle {

@@ -1,0 +1,237 @@
+//! The surfel frame, in the order of the talk's frame overview.
+mod grid;
+mod rays;
+mod screen;
+mod spawn;
+
+use super::trace::{Batch, direct_light};
+use super::{SceneInputs, SceneSizes, Settings};
+use crate::data::*;
+use crate::shared::grid::GridLayout;
+use crate::stages::*;
+use gibs_graph::{Buffer, Graph, Initial, State};
+use glam::UVec2;
+
+/// What a surfel frame is made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfelFrame {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Shape of the grid, see [`Settings::grid`].
+    pub grid: GridLayout,
+    /// Settings.
+    pub settings: Settings,
+    /// Where the visible surfaces come from, and where the light goes.
+    pub screen: Screen,
+}
+
+/// Where the visible surfaces come from, and where the light goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Screen {
+    /// Rays find the surfaces. Outputs: `points`, `direct`, `irradiance` and `color`.
+    Traced,
+    /// The engine's G-buffer holds them, in the imported images `host_depth`, `host_normal`, `host_albedo` and
+    /// `host_ids`; indirect light goes to the exported image `host_indirect`. The input `host` says how, see
+    /// [`HostGbuffer`].
+    Imported,
+}
+
+/// The surfels: one handle per field, so that unrelated stages stay independent.
+struct Surfels {
+    births: Buffer<SurfelBirth>,
+    poses: Buffer<SurfelPose>,
+    irradiance: Buffer<SurfelIrradiance>,
+    depths: Buffer<SurfelDepth>,
+}
+
+/// Their states, which wait for the last versions.
+struct SurfelStates {
+    births: State<SurfelBirth>,
+    poses: State<SurfelPose>,
+    irradiance: State<SurfelIrradiance>,
+    depths: State<SurfelDepth>,
+}
+
+impl Surfels {
+    fn declare(g: &mut Graph, capacity: u64) -> (SurfelStates, Self) {
+        let (births_state, births) = g.state("surfel_births", capacity, Initial::Zero);
+        let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
+        let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
+        let (depths_state, depths) = g.state("surfel_depths", capacity, Initial::Zero);
+        (
+            SurfelStates {
+                births: births_state,
+                poses: poses_state,
+                irradiance: irradiance_state,
+                depths: depths_state,
+            },
+            Self {
+                births,
+                poses,
+                irradiance,
+                depths,
+            },
+        )
+    }
+
+    fn keep(self, g: &mut Graph, states: SurfelStates) {
+        g.keep(states.births, self.births);
+        g.keep(states.poses, self.poses);
+        g.keep(states.irradiance, self.irradiance);
+        g.keep(states.depths, self.depths);
+    }
+}
+
+/// The lists of the grid's cells.
+struct Grid {
+    shape: Buffer<GridShape>,
+    cells: Buffer<UVec2>,
+    entries: Buffer<u32>,
+}
+
+/// Records the frame. Its outputs are those of the [`Screen`], `counters` and `overflow`; with queries also
+/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`.
+pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
+    let settings = &frame.settings;
+    let scene = SceneInputs::declare(g, sizes);
+    let device_settings: Buffer<SurfelSettings> = g.input("settings", 1);
+    let shape = g.input("grid", 1);
+    let capacity = u64::from(settings.surfels);
+    let per_point = settings.lights_per_point(sizes.lights());
+    let (states, surfels) = Surfels::declare(g, capacity);
+    let counters = g.state(
+        "surfel_counters",
+        1,
+        Initial::fill(SurfelCounters {
+            free: settings.surfels,
+            ..Default::default()
+        }),
+    );
+    let free_slots = g.state("surfel_free_slots", capacity, Initial::Sequence);
+    let seen = screen::see(g, &scene, frame);
+
+    // Persistent
+    let surfels = grid::update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
+    let (grid, overflow) = grid::build_grid(g, shape, &surfels, frame, capacity);
+    let surfels = rays::integrate_rays(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        settings,
+        per_point,
+    );
+
+    // Spawn
+    let (surfels, counters_last) = spawn::spawn_surfels(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        frame,
+        &seen.points,
+        counters.1,
+        &free_slots.1,
+    );
+
+    screen::apply(
+        g,
+        &scene,
+        frame,
+        &grid,
+        &device_settings,
+        &surfels,
+        seen,
+        per_point,
+    );
+    if settings.queries > 0 {
+        answer(
+            g,
+            &scene,
+            settings.queries,
+            &grid,
+            &device_settings,
+            &surfels,
+            per_point,
+        );
+    }
+    g.output("counters", &counters_last);
+    g.output("overflow", &overflow);
+    surfels.keep(g, states);
+    g.keep(counters.0, counters_last);
+    g.keep(free_slots.0, free_slots.1);
+}
+
+/// Light at points that the host asks for: the stages of the group `query`, which can also run between frames, since
+/// everything that they read outlives the frame.
+fn answer(
+    g: &mut Graph,
+    scene: &SceneInputs,
+    queries: u32,
+    grid: &Grid,
+    settings: &Buffer<SurfelSettings>,
+    surfels: &Surfels,
+    per_point: u32,
+) {
+    let points = g.input("query_points", queries.into());
+    let args = g.input("query_batch", 1);
+    let batch = Batch {
+        args: &args,
+        most: queries.into(),
+        fixed: false,
+    };
+    let gathered = gather(
+        g,
+        "query/gather_surfels",
+        &scene.frame,
+        grid,
+        settings,
+        surfels,
+        &batch,
+        &points,
+        "query_gathered",
+    );
+    g.output("query_gathered", &gathered);
+    if per_point > 0 {
+        let direct = direct_light(g, "query", "", scene, per_point, &batch, &points);
+        g.output("query_direct", &direct);
+    }
+    g.output("grid_cells", &grid.cells);
+    g.output("grid_entries", &grid.entries);
+}
+
+#[allow(clippy::too_many_arguments, reason = "the ports of the stage")]
+fn gather(
+    g: &mut Graph,
+    label: &str,
+    frame: &Buffer<Frame>,
+    grid: &Grid,
+    settings: &Buffer<SurfelSettings>,
+    surfels: &Surfels,
+    batch: &Batch<'_>,
+    points: &Buffer<SurfacePoint>,
+    name: &str,
+) -> Buffer<Gathered> {
+    let gathered = g.transient(name, batch.most);
+    g.add::<gather_surfels::GatherSurfels>(
+        label,
+        gather_surfels::Inputs {
+            batch: batch.args,
+            frame,
+            grid: &grid.shape,
+            settings,
+            points,
+            cells: &grid.cells,
+            entries: &grid.entries,
+            poses: &surfels.poses,
+            births: &surfels.births,
+            irradiance: &surfels.irradiance,
+            depths: &surfels.depths,
+            gathered,
+        },
+        batch.dispatch(),
+    )
+    .gathered
+}

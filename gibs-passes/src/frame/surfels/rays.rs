@@ -1,0 +1,202 @@
+//! Rays from every surfel, and what they find (I1, I2, I3, I5).
+use super::{Grid, Surfels, gather};
+use crate::data::*;
+use crate::frame::trace::{Batch, direct_light, surfaces};
+use crate::frame::{SceneInputs, Settings};
+use crate::shared::scan::exclusive_scan;
+use crate::stages::*;
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
+
+/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions.
+pub(super) fn integrate_rays(
+    g: &mut Graph,
+    scene: &SceneInputs,
+    grid: &Grid,
+    device_settings: &Buffer<SurfelSettings>,
+    surfels: Surfels,
+    settings: &Settings,
+    per_point: u32,
+) -> Surfels {
+    let capacity = u64::from(settings.surfels);
+    let budget = u64::from(settings.rays).max(1);
+    let requests = g.transient("ray_requests", capacity);
+    let inputs = request_rays::Inputs {
+        poses: &surfels.poses,
+        irradiance: &surfels.irradiance,
+        requests,
+    };
+    let requests = g
+        .add::<request_rays::RequestRays>(
+            "persistent/request_rays",
+            inputs,
+            Dispatch::Elements(capacity),
+        )
+        .requests;
+    let (scanned, total) = exclusive_scan(g, "persistent/ray_scan", &requests);
+    let offsets = g.transient("ray_offsets", capacity + 1);
+    let batch = g.transient("ray_batch", 1);
+    let allocated = g.add::<allocate_rays::AllocateRays>(
+        "persistent/allocate_rays",
+        allocate_rays::Inputs {
+            settings: device_settings,
+            scanned: &scanned,
+            total: &total,
+            offsets,
+            batch,
+        },
+        Dispatch::Elements(capacity + 1),
+    );
+    let rays = g.transient("surfel_rays", budget);
+    let paths = g.transient("surfel_paths", budget);
+    let generated = g.add::<generate_rays::GenerateRays>(
+        "persistent/generate_rays",
+        generate_rays::Inputs {
+            frame: &scene.frame,
+            settings: device_settings,
+            poses: &surfels.poses,
+            births: &surfels.births,
+            irradiance: &surfels.irradiance,
+            offsets: &allocated.offsets,
+            rays,
+            paths,
+        },
+        Dispatch::Elements(capacity),
+    );
+    let first_rays = generated.rays;
+    let mut radiance = g.zeroed("ray_radiance", budget);
+    let mut segment = Segment {
+        args: allocated.batch,
+        rays: None,
+        paths: generated.paths,
+    };
+    let mut first_hits = None;
+    for depth in 0..=settings.continuations {
+        let suffix = if depth == 0 {
+            String::new()
+        } else {
+            format!("_{depth}")
+        };
+        let batch = Batch {
+            args: &segment.args,
+            most: budget,
+            fixed: false,
+        };
+        let rays = segment.rays.as_ref().unwrap_or(&first_rays);
+        let (hits, points) = surfaces(g, "persistent", &suffix, scene, &batch, rays);
+        let direct = direct_light(g, "persistent", &suffix, scene, per_point, &batch, &points);
+        let label = format!("persistent/gather_surfels{suffix}");
+        let name = format!("persistent_gathered{suffix}");
+        let gathered = gather(
+            g,
+            &label,
+            &scene.frame,
+            grid,
+            device_settings,
+            &surfels,
+            &batch,
+            &points,
+            &name,
+        );
+        let goes_on = g.zeroed(&format!("goes_on{suffix}"), budget);
+        let shaded = g.add::<shade_hits::ShadeHits>(
+            &format!("persistent/shade_hits{suffix}"),
+            shade_hits::Inputs {
+                batch: &segment.args,
+                frame: &scene.frame,
+                rays,
+                points: &points,
+                direct: &direct,
+                gathered: &gathered,
+                environment: &scene.environment,
+                paths: segment.paths,
+                radiance,
+                goes_on,
+            },
+            batch.dispatch(),
+        );
+        radiance = shaded.radiance;
+        first_hits.get_or_insert(hits);
+        if depth == settings.continuations {
+            break;
+        }
+        segment = continue_segment(
+            g,
+            depth,
+            &segment.args,
+            &batch,
+            &points,
+            &shaded.paths,
+            &shaded.goes_on,
+        );
+    }
+    let hits = first_hits.unwrap_or_else(|| g.transient("no_hits", budget));
+    let integrated = g.add::<integrate::Integrate>(
+        "persistent/integrate",
+        integrate::Inputs {
+            settings: device_settings,
+            poses: &surfels.poses,
+            offsets: &allocated.offsets,
+            rays: &first_rays,
+            hits: &hits,
+            radiance: &radiance,
+            irradiance: surfels.irradiance,
+            depths: surfels.depths,
+        },
+        Dispatch::Elements(capacity),
+    );
+    Surfels {
+        irradiance: integrated.irradiance,
+        depths: integrated.depths,
+        ..surfels
+    }
+}
+
+/// The rays of one path depth.
+struct Segment {
+    args: Buffer<DispatchArgs>,
+    /// `None` for the surfels' own rays.
+    rays: Option<Buffer<Ray>>,
+    paths: Buffer<Path>,
+}
+
+fn continue_segment(
+    g: &mut Graph,
+    depth: u32,
+    args: &Buffer<DispatchArgs>,
+    batch: &Batch<'_>,
+    points: &Buffer<SurfacePoint>,
+    paths: &Buffer<Path>,
+    goes_on: &Buffer<u32>,
+) -> Segment {
+    let next = depth + 1;
+    let (scanned, total) = exclusive_scan(g, &format!("persistent/path_scan_{next}"), goes_on);
+    let next_args = g.transient(&format!("path_batch_{next}"), 1);
+    let inputs = batch_args::Inputs {
+        count: &total,
+        batch: next_args,
+    };
+    let label = format!("persistent/path_batch_{next}");
+    let next_args = g
+        .add::<batch_args::BatchArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+        .batch;
+    let next_rays = g.transient(&format!("path_rays_{next}"), batch.most);
+    let next_paths = g.transient(&format!("paths_{next}"), batch.most);
+    let continued = g.add::<continue_paths::ContinuePaths>(
+        &format!("persistent/continue_paths_{next}"),
+        continue_paths::Inputs {
+            batch: args,
+            points,
+            paths,
+            goes_on,
+            scanned: &scanned,
+            next_rays,
+            next_paths,
+        },
+        batch.dispatch(),
+    );
+    Segment {
+        args: next_args,
+        rays: Some(continued.next_rays),
+        paths: continued.next_paths,
+    }
+}

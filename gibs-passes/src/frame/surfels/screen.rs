@@ -1,0 +1,138 @@
+//! The surfaces that are seen, and their light: the ends of the frame.
+use super::{Grid, Screen, SurfelFrame, Surfels, gather};
+use crate::data::*;
+use crate::frame::SceneInputs;
+use crate::frame::trace::{Batch, direct_light, gbuffer};
+use crate::stages::*;
+use gibs_graph::{Buffer, Dispatch, Float, Graph, Rgba16Float, Uint};
+
+/// What is seen.
+pub(super) struct Seen {
+    pub points: Buffer<SurfacePoint>,
+    by: By,
+}
+
+/// How it was found.
+enum By {
+    Rays(Buffer<Ray>),
+    Host(Buffer<HostGbuffer>),
+}
+
+fn pixels(frame: &SurfelFrame) -> u64 {
+    u64::from(frame.size[0]) * u64::from(frame.size[1])
+}
+
+fn batch<'a>(scene: &'a SceneInputs, frame: &SurfelFrame) -> Batch<'a> {
+    Batch {
+        args: &scene.pixels,
+        most: pixels(frame),
+        fixed: true,
+    }
+}
+
+/// Finds the surfaces.
+pub(super) fn see(g: &mut Graph, scene: &SceneInputs, frame: &SurfelFrame) -> Seen {
+    if frame.screen == Screen::Traced {
+        let (rays, points) = gbuffer(g, scene, &batch(scene, frame));
+        return Seen {
+            points,
+            by: By::Rays(rays),
+        };
+    }
+    let host = g.input("host", 1);
+    let depth = g.import_image::<Float>("host_depth", frame.size);
+    let normal = g.import_image::<Float>("host_normal", frame.size);
+    let albedo = g.import_image::<Float>("host_albedo", frame.size);
+    let ids = g.import_image::<Uint>("host_ids", frame.size);
+    let points = g.transient("gbuffer_points", pixels(frame));
+    let imported = g.add::<import_gbuffer::ImportGbuffer>(
+        "gbuffer/import",
+        import_gbuffer::Inputs {
+            camera: &scene.camera,
+            host: &host,
+            depth: &depth,
+            normal: &normal,
+            albedo: &albedo,
+            ids: &ids,
+            points,
+        },
+        tiles(frame, import_gbuffer::TILE),
+    );
+    Seen {
+        points: imported.points,
+        by: By::Host(host),
+    }
+}
+
+fn tiles(frame: &SurfelFrame, side: u32) -> Dispatch<'static> {
+    let [width, height] = frame.size.map(|n| n.div_ceil(side));
+    Dispatch::Groups([width, height, 1])
+}
+
+/// Lights the surfaces.
+#[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
+pub(super) fn apply(
+    g: &mut Graph,
+    scene: &SceneInputs,
+    frame: &SurfelFrame,
+    grid: &Grid,
+    settings: &Buffer<SurfelSettings>,
+    surfels: &Surfels,
+    seen: Seen,
+    per_point: u32,
+) {
+    let pixel_batch = batch(scene, frame);
+    let points = &seen.points;
+    let gathered = gather(
+        g,
+        "apply/lighting_apply",
+        &scene.frame,
+        grid,
+        settings,
+        surfels,
+        &pixel_batch,
+        points,
+        "apply_gathered",
+    );
+    let rays = match seen.by {
+        By::Rays(rays) => rays,
+        By::Host(host) => {
+            let indirect = g.export_image::<Rgba16Float>("host_indirect", frame.size);
+            let exported = g.add::<export_indirect::ExportIndirect>(
+                "apply/export",
+                export_indirect::Inputs {
+                    camera: &scene.camera,
+                    host: &host,
+                    points,
+                    gathered: &gathered,
+                    indirect,
+                },
+                tiles(frame, export_indirect::TILE),
+            );
+            g.output_image("host_indirect", &exported.indirect);
+            return;
+        }
+    };
+    let direct = direct_light(g, "apply", "", scene, per_point, &pixel_batch, points);
+    let irradiance = g.transient("irradiance", pixels(frame));
+    let color = g.transient("color", pixels(frame));
+    let composed = g.add::<compose::Compose>(
+        "apply/compose",
+        compose::Inputs {
+            batch: &scene.pixels,
+            frame: &scene.frame,
+            rays: &rays,
+            points,
+            direct: &direct,
+            gathered: &gathered,
+            environment: &scene.environment,
+            irradiance,
+            color,
+        },
+        pixel_batch.dispatch(),
+    );
+    g.output("points", points);
+    g.output("direct", &direct);
+    g.output("irradiance", &composed.irradiance);
+    g.output("color", &composed.color);
+}

@@ -1,0 +1,175 @@
+//! Global illumination of a scene, apart from any device: what to run, and what to tell it each frame.
+use crate::renderer::{RenderError, check_size, compile, device_scene};
+use crate::view::View;
+use gibs_graph::{Executable, Graph, ResourceId, Schedule};
+use gibs_passes::data::HostGbuffer;
+use gibs_passes::device::DeviceScene;
+use gibs_passes::frame::{
+    FrameUpdate, SceneSizes, Screen, Settings, SurfelFrame, pixel_angle, surfel_frame, upload,
+    upload_frame, upload_scene,
+};
+use gibs_passes::scene::{Camera, Scene};
+use gibs_passes::shared::grid::GridLayout;
+use std::sync::Arc;
+
+/// The images of an engine that a frame with [`Screen::Imported`] works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostImage {
+    /// Depth, in the first component.
+    Depth,
+    /// Normals, encoded as [`HostGbuffer::normals`] says.
+    Normal,
+    /// Linear albedo.
+    Albedo,
+    /// Index of the scene node, in the first component; `u32::MAX` where there is none.
+    Ids,
+    /// Where indirect light goes.
+    Indirect,
+}
+
+impl HostImage {
+    /// Key of the resource.
+    pub fn key(self) -> &'static str {
+        match self {
+            HostImage::Depth => "host_depth",
+            HostImage::Normal => "host_normal",
+            HostImage::Albedo => "host_albedo",
+            HostImage::Ids => "host_ids",
+            HostImage::Indirect => "host_indirect",
+        }
+    }
+}
+
+/// Surfel global illumination of one scene at one size.
+///
+/// An engine prepares [`Gi::schedule`] on a backend made from its own device, uploads the scene once, and then, each
+/// frame, calls [`Gi::begin_frame`] and records the executable into its own commands. [`crate::Renderer`] does the same
+/// with an executable of its own.
+///
+/// ```
+/// use gibs::{Gi, HostImage};
+/// use gibs::graph::Backend;
+/// use gibs::passes::data::HostGbuffer;
+/// use gibs::passes::frame::{Screen, Settings};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # #[cfg(feature = "cpu")] {
+/// let (scene, view) = gibs::builtin::by_name("cornell").ok_or("no such scene")?;
+/// let mut gi = Gi::new(&scene, &view, [64, 64], &Settings::default(), Screen::Imported)?;
+/// let backend = gibs_backend_cpu::CpuBackend::new(Default::default())?;
+/// let mut exec = backend.prepare(gi.schedule().clone(), None)?;
+/// gi.upload_scene(exec.as_mut())?;
+/// gi.begin_frame(exec.as_mut(), &view.camera, Some(&HostGbuffer::perspective(0.1, None, true)))?;
+/// exec.run()?;
+/// let indirect = exec.read(gi.image(HostImage::Indirect).ok_or("not imported")?)?;
+/// # assert_eq!(indirect.len(), 64 * 64 * 16);
+/// # }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Gi {
+    scene: DeviceScene,
+    schedule: Arc<Schedule>,
+    settings: Settings,
+    size: [u32; 2],
+    seed: u32,
+    frame: u32,
+    grid: GridLayout,
+}
+
+impl Gi {
+    /// Prepares a scene as `view` sees it: its sun, environment and animation; and, of its camera, the place, which the
+    /// floating origin stays at, and the field of view.
+    ///
+    /// # Errors
+    /// Anything in the way; see [`RenderError`].
+    pub fn new(
+        scene: &Scene,
+        view: &View,
+        size: [u32; 2],
+        settings: &Settings,
+        screen: Screen,
+    ) -> Result<Self, RenderError> {
+        check_size(size)?;
+        settings.check()?;
+        let scene = device_scene(scene, view)?;
+        let grid = settings.grid(pixel_angle(&view.camera, size));
+        let mut g = Graph::new("surfels");
+        let frame = SurfelFrame {
+            size,
+            grid,
+            settings: settings.clone(),
+            screen,
+        };
+        surfel_frame(&mut g, &frame, &SceneSizes::of(&scene));
+        Ok(Self {
+            schedule: Arc::new(compile(g)?),
+            scene,
+            settings: settings.clone(),
+            size,
+            seed: 0,
+            frame: 0,
+            grid,
+        })
+    }
+
+    /// The same with another seed of its random numbers; 0 unless set.
+    pub fn with_seed(self, seed: u32) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// What a backend prepares.
+    pub fn schedule(&self) -> &Arc<Schedule> {
+        &self.schedule
+    }
+
+    /// The resource that an image of the engine stands for; `None` unless the frame is [`Screen::Imported`].
+    pub fn image(&self, image: HostImage) -> Option<ResourceId> {
+        self.schedule.resource(image.key())
+    }
+
+    /// The scene as the device has it.
+    pub fn scene(&self) -> &DeviceScene {
+        &self.scene
+    }
+
+    /// Width and height of the picture.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Writes geometry, materials, lights and the sky: once for each executable.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn upload_scene(&self, exec: &mut dyn Executable) -> Result<(), RenderError> {
+        Ok(upload_scene(exec, &self.scene)?)
+    }
+
+    /// Writes what changes every frame: call it once before each frame is run or recorded. `host` says how to read an
+    /// imported G-buffer.
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn begin_frame(
+        &mut self,
+        exec: &mut dyn Executable,
+        camera: &Camera,
+        host: Option<&HostGbuffer>,
+    ) -> Result<(), RenderError> {
+        let update = FrameUpdate {
+            camera,
+            size: self.size,
+            number: self.frame,
+            seed: self.seed,
+            grid: self.grid,
+        };
+        upload_frame(exec, &self.scene, &self.settings, &update)?;
+        if let Some(host) = host {
+            upload(exec, "host", &[*host])?;
+        }
+        self.frame = self.frame.wrapping_add(1);
+        Ok(())
+    }
+}

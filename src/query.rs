@@ -1,0 +1,95 @@
+//! Irradiance at points that a program asks for.
+use crate::gi::Gi;
+use crate::renderer::{RenderError, read_output};
+use gibs_graph::Executable;
+use gibs_passes::data::{Gathered, SurfacePoint};
+use gibs_passes::frame::upload;
+use gibs_passes::shared::{batch, octahedral, surface};
+use glam::{DVec3, Vec3, Vec4};
+
+/// Light that arrives at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Irradiance {
+    /// From surfaces and the sky, W/m^2; what the surfels there hold, made up by the cell's average.
+    pub indirect: Vec3,
+    /// From the sun and the lights, W/m^2.
+    pub direct: Vec3,
+    /// How much of the indirect light surfels at the point itself know, 0 to 1; with 0, none are near.
+    pub confidence: f32,
+}
+
+pub(crate) fn irradiance(
+    exec: &mut dyn Executable,
+    gi: &Gi,
+    points: &[DVec3],
+    normals: &[Vec3],
+) -> Result<Vec<Irradiance>, RenderError> {
+    let refuse = |problem: &str| RenderError::Queries {
+        points: points.len(),
+        normals: normals.len(),
+        problem: problem.into(),
+    };
+    if points.len() != normals.len() {
+        return Err(refuse("give a normal for each point"));
+    }
+    let schedule = exec.schedule().clone();
+    let room = schedule
+        .resource("query_points")
+        .map_or(0, |id| schedule.resources[id as usize].len as usize);
+    if room == 0 {
+        return Err(refuse(
+            "the frame has no stage for it; set `queries` to the most points at a time",
+        ));
+    }
+    let steps: Vec<usize> = schedule
+        .dispatches()
+        .filter(|(_, step, _)| step.group() == "query")
+        .map(|(i, ..)| i)
+        .collect();
+    let mut answers = Vec::with_capacity(points.len());
+    for (points, normals) in points.chunks(room).zip(normals.chunks(room)) {
+        let asked: Vec<SurfacePoint> = points
+            .iter()
+            .zip(normals)
+            .map(|(p, n)| asked(*p - gi.scene().origin, *n))
+            .collect();
+        upload(exec, "query_points", &asked)?;
+        upload(exec, "query_batch", &[batch::args(asked.len() as u32)])?;
+        for &step in &steps {
+            exec.run_step(step)?;
+        }
+        let gathered: Vec<Gathered> = read_output(exec, "query_gathered")?;
+        let direct: Vec<Vec4> = read_output(exec, "query_direct")?;
+        let direct = direct
+            .iter()
+            .map(|d| d.truncate())
+            .chain(std::iter::repeat(Vec3::ZERO));
+        answers.extend(
+            gathered
+                .iter()
+                .zip(direct)
+                .take(asked.len())
+                .map(|(g, direct)| Irradiance {
+                    indirect: g.irradiance + g.average * (1.0 - g.weight),
+                    direct,
+                    confidence: g.weight,
+                }),
+        );
+    }
+    // The next frame asks nothing.
+    upload(exec, "query_batch", &[batch::args(0)])?;
+    Ok(answers)
+}
+
+fn asked(position: DVec3, normal: Vec3) -> SurfacePoint {
+    let position = position.as_vec3();
+    let packed = octahedral::pack(normal.try_normalize().unwrap_or(Vec3::Z));
+    SurfacePoint {
+        position,
+        offset: position.abs().max_element() * surface::OFFSET,
+        geometric_normal: packed,
+        shading_normal: packed,
+        transform_id: 0,
+        ..surface::MISS
+    }
+}

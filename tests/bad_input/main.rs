@@ -1,0 +1,16 @@
+//! Bad input as its users meet it: real files, read by the library and by the program. Every file here is either refused
+//! with a message that names the file, the value and the remedy, or drawn right with a warning for what is missing;
+//! never a panic, never silence. Everything runs on the CPU, so that it needs no device.
+#![cfg(feature = "cpu")]
+
+mod absent;
+mod file;
+mod geometry;
+mod many;
+mod parts;
+mod radiance;
+mod references;
+mod run;
+mod sizes;
+mod textures;
+mod transforms;

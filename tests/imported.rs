@@ -1,0 +1,166 @@
+//! An engine's G-buffer in place of traced surfaces: the same light, on every backend to the bit.
+mod common;
+
+use common::{all_backends, cpu, settings};
+use gibs::builtin;
+use gibs::graph::Executable;
+use gibs::passes::data::{HostGbuffer, SurfacePoint};
+use gibs::passes::frame::Screen;
+use gibs::passes::shared::gbuffer::NORMALS_UNSIGNED;
+use gibs::passes::shared::{octahedral, surface};
+use gibs::{Gi, HostImage, Renderer};
+use glam::{UVec4, Vec3, Vec4};
+
+const SIZE: [u32; 2] = [63, 49];
+const FRAMES: u32 = 64;
+const RAYS: u32 = 20_000;
+
+fn output<T: bytemuck::Pod>(exec: &mut dyn Executable, name: &str) -> Vec<T> {
+    let id = exec.schedule().output(name).expect("an output");
+    bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
+}
+
+/// Images as an engine would have drawn them, from the points that rays found.
+struct Images {
+    depth: Vec<Vec4>,
+    normal: Vec<Vec4>,
+    albedo: Vec<Vec4>,
+    ids: Vec<UVec4>,
+}
+
+fn draw(points: &[SurfacePoint], eye: Vec3, forward: Vec3, host: &HostGbuffer) -> Images {
+    let mut images = Images {
+        depth: Vec::new(),
+        normal: Vec::new(),
+        albedo: Vec::new(),
+        ids: Vec::new(),
+    };
+    for point in points {
+        let seen = surface::is_surface(point);
+        let distance = (point.position - eye).dot(forward);
+        let depth = if seen {
+            host.depth_offset + host.depth_scale / distance
+        } else {
+            host.depth_clear
+        };
+        let normal = octahedral::unpack(point.shading_normal);
+        let normal = match host.normals {
+            NORMALS_UNSIGNED => normal * 0.5 + 0.5,
+            _ => normal,
+        };
+        images.depth.push(Vec4::new(depth, 0.0, 0.0, 1.0));
+        images.normal.push(normal.extend(0.0));
+        images.albedo.push(surface::albedo(point).extend(1.0));
+        images.ids.push(UVec4::new(point.transform_id, 0, 0, 0));
+    }
+    images
+}
+
+/// Frames with those images, uploaded; the indirect light after the last.
+fn imported(name: &str, backend: &dyn gibs::graph::Backend, host: &HostGbuffer) -> Vec<Vec4> {
+    let (scene, view) = builtin::by_name(name).expect("built in");
+    let mut traced =
+        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &settings(RAYS), 0).expect("a renderer");
+    traced.frame().expect("a frame");
+    let points: Vec<SurfacePoint> = output(traced.executable(), "points");
+
+    let mut gi = Gi::new(&scene, &view, SIZE, &settings(RAYS), Screen::Imported).expect("a frame");
+    let mut exec = backend
+        .prepare(gi.schedule().clone(), None)
+        .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+    gi.upload_scene(exec.as_mut()).expect("uploaded");
+    let eye = (view.camera.position - gi.scene().origin).as_vec3();
+    let images = draw(&points, eye, view.camera.axes()[2].as_vec3(), host);
+    for (image, bytes) in [
+        (HostImage::Depth, bytemuck::cast_slice(&images.depth)),
+        (HostImage::Normal, bytemuck::cast_slice(&images.normal)),
+        (HostImage::Albedo, bytemuck::cast_slice(&images.albedo)),
+        (HostImage::Ids, bytemuck::cast_slice(&images.ids)),
+    ] {
+        let id = gi.image(image).expect("imported");
+        exec.upload(id, 0, bytes)
+            .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+    }
+    for _ in 0..FRAMES {
+        gi.begin_frame(exec.as_mut(), &view.camera, Some(host))
+            .expect("uploaded");
+        exec.run().expect("a frame");
+    }
+    output(exec.as_mut(), "host_indirect")
+}
+
+/// Indirect light of the same frames with traced surfaces.
+fn traced(name: &str, seed: u32) -> Vec<Vec4> {
+    let (scene, view) = builtin::by_name(name).expect("built in");
+    let mut renderer = Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &settings(RAYS), seed)
+        .expect("a renderer");
+    for _ in 0..FRAMES {
+        renderer.frame().expect("a frame");
+    }
+    output(renderer.executable(), "irradiance")
+}
+
+fn mean(pixels: &[Vec4]) -> f64 {
+    let sum: f64 = pixels
+        .iter()
+        .map(|p| f64::from(p.truncate().element_sum()))
+        .sum();
+    sum / (3.0 * pixels.len() as f64)
+}
+
+/// The light is that of traced surfaces but for what half floats round, and for where surfels are born along edges,
+/// where a normal from depths is not that of the triangle. Other places of birth are another seed in effect, and means
+/// of two seeds differ by up to 1.1 % here (printed), so that 3 % is three times the noise.
+#[test]
+fn an_imported_gbuffer_gives_the_light_of_a_traced_one() {
+    let name = "cornell";
+    let expected = traced(name, 0);
+    let other_seed = mean(&traced(name, 1)) / mean(&expected) - 1.0;
+    println!("{name}, another seed: {:+.2} %", other_seed * 100.0);
+    let reversed = HostGbuffer::perspective(0.1, None, true);
+    let finite = HostGbuffer {
+        normals: NORMALS_UNSIGNED,
+        ..HostGbuffer::perspective(0.05, Some(500.0), false)
+    };
+    for (kind, host) in [("reversed and infinite", reversed), ("finite", finite)] {
+        let got = imported(name, cpu().as_ref(), &host);
+        let difference = mean(&got) / mean(&expected) - 1.0;
+        println!("{name}, {kind}: {:+.2} %", difference * 100.0);
+        assert!(difference.abs() < 0.03, "{name}, {kind}: {difference}");
+        assert!(got.iter().all(|p| p.is_finite()));
+    }
+}
+
+/// Light and exposure: radiance is irradiance times albedo over pi, within two roundings to half floats.
+#[test]
+fn radiance_is_irradiance_times_albedo_over_pi() {
+    let plain = HostGbuffer::perspective(0.1, None, true);
+    let radiance = HostGbuffer {
+        radiance: 1,
+        exposure: 4.0,
+        ..plain
+    };
+    let e = imported("cornell", cpu().as_ref(), &plain);
+    let l = imported("cornell", cpu().as_ref(), &radiance);
+    let mut lit = 0;
+    for (e, l) in e.iter().zip(&l).filter(|(e, _)| e.x > 1e-3) {
+        let albedo = l.truncate() / (e.truncate() * 4.0) * std::f32::consts::PI;
+        assert!(
+            albedo.min_element() > 0.0 && albedo.max_element() < 1.002,
+            "{albedo}"
+        );
+        lit += 1;
+    }
+    assert!(lit > 500);
+}
+
+#[test]
+fn backends_import_alike() {
+    let host = HostGbuffer::perspective(0.1, None, true);
+    let expected = imported("cornell", cpu().as_ref(), &host);
+    for backend in all_backends() {
+        let got = imported("cornell", backend.as_ref(), &host);
+        let differing = got.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "{}: texels differ", backend.name());
+    }
+}

@@ -1,0 +1,115 @@
+//! Irradiance at points that a program asks for.
+mod common;
+
+use common::{all_backends, cpu, settings};
+use gibs::passes::data::SurfacePoint;
+use gibs::passes::frame::Settings;
+use gibs::passes::shared::{octahedral, surface};
+use gibs::{Irradiance, RenderError, Renderer, builtin};
+use glam::{DVec3, Vec3, Vec4};
+
+const SIZE: [u32; 2] = [48, 48];
+
+fn asking(queries: u32) -> Settings {
+    Settings {
+        queries,
+        ..settings(4000)
+    }
+}
+
+fn output<T: bytemuck::Pod>(renderer: &mut Renderer, name: &str) -> Vec<T> {
+    let exec = renderer.executable();
+    let id = exec.schedule().output(name).expect("an output");
+    bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
+}
+
+/// Asked at the points that are seen, the answer is the picture, indirect light to the bit. More points than fit at a
+/// time are asked in turn, and asking changes no later frame.
+#[test]
+fn the_picture_is_what_is_asked_at_its_points() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let mut reference: Option<Vec<Irradiance>> = None;
+    for backend in all_backends() {
+        let renderer = |queries| {
+            Renderer::new(backend.as_ref(), &scene, &view, SIZE, &asking(queries), 0)
+                .unwrap_or_else(|e| panic!("{}: {e}", backend.name()))
+        };
+        let (mut asks, mut silent) = (renderer(1000), renderer(0));
+        for _ in 0..16 {
+            asks.frame().expect("a frame");
+            silent.frame().expect("a frame");
+        }
+        let seen: Vec<SurfacePoint> = output(&mut asks, "points");
+        let irradiance: Vec<Vec4> = output(&mut asks, "irradiance");
+        let direct: Vec<Vec4> = output(&mut asks, "direct");
+        let picked: Vec<usize> = (0..seen.len())
+            .filter(|&i| surface::is_surface(&seen[i]))
+            .collect();
+        assert!(picked.len() > 1000, "more than fit at a time");
+        let origin = asks.gi().scene().origin;
+        let world = |&i: &usize| seen[i].position.as_dvec3() + origin;
+        let points: Vec<DVec3> = picked.iter().map(world).collect();
+        let normals: Vec<Vec3> = picked
+            .iter()
+            .map(|&i| octahedral::unpack(seen[i].shading_normal))
+            .collect();
+        let answers = asks.irradiance(&points, &normals).expect("answers");
+        assert_eq!(answers.len(), points.len());
+        for (answer, &i) in answers.iter().zip(&picked) {
+            let expected = irradiance[i].truncate();
+            assert!(
+                (answer.indirect - expected).abs().max_element()
+                    <= 1e-5 * (1.0 + expected.length()),
+                "{}: {answer:?} where the picture has {expected}",
+                backend.name()
+            );
+            assert!((answer.direct - direct[i].truncate()).abs().max_element() < 1e-4);
+        }
+        let covered = answers.iter().filter(|a| a.confidence > 0.5).count();
+        assert!(
+            covered * 2 > answers.len(),
+            "{covered} of {} covered",
+            answers.len()
+        );
+        match &reference {
+            None => reference = Some(answers),
+            Some(expected) => assert!(expected == &answers, "{} differs", backend.name()),
+        }
+        asks.frame().expect("a frame");
+        silent.frame().expect("a frame");
+        let (a, b): (Vec<Vec4>, Vec<Vec4>) =
+            (output(&mut asks, "color"), output(&mut silent, "color"));
+        assert!(a == b, "{}: asking changed the next frame", backend.name());
+    }
+}
+
+#[test]
+fn asking_without_room_or_normals_is_an_error_that_says_what_to_do() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let renderer = |queries| {
+        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &asking(queries), 0).expect("a renderer")
+    };
+    let error = renderer(0)
+        .irradiance(&[DVec3::ZERO], &[Vec3::Y])
+        .expect_err("no stage");
+    assert!(matches!(error, RenderError::Queries { .. }));
+    assert!(error.to_string().contains("set `queries`"), "{error}");
+    let error = renderer(8)
+        .irradiance(&[DVec3::ZERO], &[])
+        .expect_err("no normal");
+    assert!(
+        error.to_string().contains("1 points with 0 normals"),
+        "{error}"
+    );
+    assert_eq!(renderer(8).irradiance(&[], &[]).expect("nothing"), []);
+}
+
+/// A frame that answers nothing has no stage, buffer or binding for it.
+#[test]
+fn without_queries_the_frame_has_nothing_for_them() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let mut renderer =
+        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &asking(0), 0).expect("a renderer");
+    let text = renderer.executable().schedule().to_text();
+    assert!(!text.contains("query"), "{text}");
+}
