@@ -145,3 +145,49 @@ fn flags_of(access: Access) -> vk::AccessFlags {
         Access::HostOnly => vk::AccessFlags::empty(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gibs_graph::{Dispatch, Graph, WgslSource, Workgroup, stage};
+
+    stage! {
+        /// Two numbers from one.
+        pub stage Fork {
+            wgsl: WgslSource { name: "fork", text: "", modules: &[], features: &[] },
+            workgroup: [64, 1, 1],
+            ports: { read source: u32, write left: u32, write right: u32 },
+            cpu: kernel,
+            wide: None,
+        }
+    }
+
+    fn kernel(_: &Views<'_>, _: Workgroup) {}
+
+    /// What nobody reads is written over through another resource: the write before must not come after that.
+    #[test]
+    fn writes_to_shared_memory_are_ordered() {
+        let mut g = Graph::new("shared");
+        let source = g.input("source", 64);
+        let fork = |g: &mut Graph, source: &_, names: [&str; 2]| {
+            let [left, right] = names.map(|name| g.transient(name, 64));
+            let inputs = Inputs {
+                source,
+                left,
+                right,
+            };
+            g.add::<Fork>(names[0], inputs, Dispatch::Elements(64))
+        };
+        let first = fork(&mut g, &source, ["first", "unread"]);
+        let second = fork(&mut g, &first.left, ["second", "beside"]);
+        g.output("second", &second.left);
+        let schedule = g.compile(None).unwrap();
+        let home = |key| schedule.resources[schedule.resource(key).unwrap() as usize].home;
+        assert_eq!(home("beside"), home("unread"));
+        let barrier = Barrier {
+            from: vk::AccessFlags::SHADER_WRITE,
+            to: vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE,
+        };
+        assert_eq!(plan(&schedule), [None, Some(barrier)]);
+    }
+}

@@ -43,8 +43,8 @@ impl VulkanExecutable {
     /// - `commands` is a primary command buffer of the backend's device and queue family that is being recorded, outside
     ///   of a render pass.
     /// - It is submitted once, to the backend's queue, in order with the other frames of this executable, and before
-    ///   anything else of this executable is called than [`Executable::upload`](gibs_graph::Executable::upload),
-    ///   [`Executable::measure`], `record`, the imports and `set_exit`.
+    ///   anything else of this executable is called than uploads that come along, [`Executable::measure`], `record`, the
+    ///   imports and `set_exit`.
     /// - At most two recorded frames of this executable are under way at a time.
     /// - Every recorded frame is done before the executable is dropped or adopted from. The executable itself waits only
     ///   for what it submitted.

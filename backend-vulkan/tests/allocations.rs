@@ -1,6 +1,6 @@
 //! A frame allocates nothing once the first few have run.
-#[allow(dead_code)]
-#[path = "vulkan/engine.rs"]
+#[allow(dead_code, unused_imports)]
+#[path = "vulkan/engine/mod.rs"]
 mod engine;
 #[allow(dead_code)]
 #[path = "vulkan/support.rs"]

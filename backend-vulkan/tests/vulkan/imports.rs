@@ -1,13 +1,13 @@
-//! Images and buffers that a host lends.
+//! Images that a host lends.
 use crate::engine::{
     Engine, FRESH, Lent, Room, TRANSFER_READ, TRANSFER_WRITE, engaged, overheard, whole,
 };
 use crate::images::bytes;
 use crate::stages::*;
-use crate::support::{compile, prepare, read, upload, watched, words};
+use crate::support::{prepare, read};
 use gibs_backend_vulkan::ash::vk;
 use gibs_backend_vulkan::{ImageUse, ImportedImage, VulkanBackend, VulkanExecutable};
-use gibs_graph::{Backend, BackendError, Dispatch, Executable, Float, Graph, ResourceId, bytemuck};
+use gibs_graph::{BackendError, Dispatch, Executable, Float, Graph, ResourceId, bytemuck};
 
 pub fn executable(backend: &VulkanBackend, graph: Graph) -> VulkanExecutable {
     let made = prepare(backend, graph).into_any();
@@ -123,6 +123,27 @@ fn any_number_of_images_may_take_turns() {
     });
 }
 
+/// Images come to a step that runs alone as they come to a frame.
+#[test]
+fn a_step_takes_images_and_gives_them_back() {
+    engaged(|engine| {
+        let backend = engine.backend();
+        let mut e = executable(&backend, bytes(SIZE));
+        let turns = Turns::new(engine);
+        turns.frame(engine, &mut e, 0, false);
+        let source = turns.sources[0].image;
+        let commands = engine.begin();
+        engine.fill(commands, source, [1.0, 0.0, 1.0, 0.0]);
+        engine.submit(commands);
+        e.run_step(0).unwrap();
+        let commands = engine.begin();
+        engine.copy(commands, turns.targets[0].image, SIZE, &turns.room);
+        engine.submit(commands);
+        engine.wait();
+        assert_eq!(turns.room.read(), [255, 0, 255, 0].repeat(21));
+    });
+}
+
 /// What was lent does not touch the executable's own image, which is used again afterwards.
 #[test]
 fn own_images_come_back() {
@@ -214,131 +235,6 @@ fn a_depth_is_in_the_first_component() {
                 assert_eq!(f32::from_bits(texel[0]), 0.375);
             }
         }
-    });
-}
-
-fn affine() -> Graph {
-    let mut g = Graph::new("line");
-    let line = g.input("line", 1);
-    let source = g.input("source", 4);
-    let target_ = g.transient("target", 4);
-    let inputs = line::Inputs {
-        line: &line,
-        source: &source,
-        target_,
-    };
-    let out = g.add::<line::Affine>("line", inputs, Dispatch::Elements(4));
-    g.output("target", &out.target_);
-    g
-}
-
-#[test]
-fn buffers_are_used_in_place() {
-    engaged(|engine| {
-        let backend = engine.backend();
-        let mut e = executable(&backend, affine());
-        upload(&mut e, "source", &[10u32, 20, 30, 40]);
-        let lines: [Room; 2] = std::array::from_fn(|_| engine.room(16));
-        let numbers = engine.room(16);
-        for frame in 0..6u32 {
-            let line = &lines[frame as usize % 2];
-            line.write(bytemuck::bytes_of(&Line {
-                factor: frame,
-                offset: 1,
-                ..Line::default()
-            }));
-            // SAFETY: the buffers live until the engine ends, and are large enough.
-            unsafe {
-                e.import_buffer(id(&e, "line"), line.buffer).unwrap();
-                if frame >= 3 {
-                    numbers.write(bytemuck::cast_slice(&[1u32, 2, 3, frame]));
-                    e.import_buffer(id(&e, "source"), numbers.buffer).unwrap();
-                }
-            }
-            e.run().unwrap();
-            let source = if frame < 3 {
-                [10, 20, 30, 40]
-            } else {
-                [1, 2, 3, frame]
-            };
-            assert_eq!(read(&mut e, "target"), source.map(|x| frame * x + 1));
-        }
-        assert_eq!(e.buffer(id(&e, "source")), Some(numbers.buffer));
-        assert!(e.read(id(&e, "source")).is_err(), "it is the host's");
-        // SAFETY: reading waited for everything.
-        unsafe { e.forget_imports() }.unwrap();
-        assert_eq!(read(&mut e, "source"), [10, 20, 30, 40], "its own again");
-        assert_eq!(words(&e.read(id(&e, "line")).unwrap()), [0; 4]);
-    });
-}
-
-#[test]
-fn a_new_schedule_starts_without_imports() {
-    engaged(|engine| {
-        let backend = engine.backend();
-        let mut e = executable(&backend, affine());
-        upload(&mut e, "source", &[10u32, 20, 30, 40]);
-        let numbers = engine.room(16);
-        // SAFETY: the buffer lives until the engine ends, and is large enough.
-        unsafe { e.import_buffer(id(&e, "source"), numbers.buffer) }.unwrap();
-        e.run().unwrap();
-        let mut e = backend
-            .prepare(compile(affine()), Some(Box::new(e)))
-            .unwrap();
-        assert_eq!(read(&mut *e, "source"), [10, 20, 30, 40]);
-    });
-}
-
-#[test]
-fn what_does_not_fit_is_refused() {
-    watched(|backend| {
-        let mut images = executable(backend, bytes(SIZE));
-        let mut buffers = executable(backend, affine());
-        let nothing = ImportedImage {
-            image: vk::Image::null(),
-            view: vk::ImageView::null(),
-            aspect: vk::ImageAspectFlags::COLOR,
-            entry: FRESH,
-            exit: TRANSFER_READ,
-        };
-        let kept = ImportedImage {
-            exit: FRESH,
-            ..nothing
-        };
-        let [source, target] = ["source", "target"].map(|key| id(&buffers, key));
-        let image = id(&images, "source");
-        // SAFETY: nothing is used, because everything is refused.
-        let errors = unsafe {
-            [
-                (buffers.import_image(source, nothing), "use import_buffer"),
-                (images.import_image(image, kept), "UNDEFINED"),
-                (
-                    images.import_buffer(image, vk::Buffer::null()),
-                    "use import_image",
-                ),
-                (
-                    buffers.import_buffer(target, vk::Buffer::null()),
-                    "no input",
-                ),
-            ]
-        };
-        for (result, expected) in errors {
-            let error = result.unwrap_err();
-            assert!(matches!(error, BackendError::Refused { .. }), "{error}");
-            assert!(error.to_string().contains(expected), "{error}");
-        }
-        // SAFETY: as above.
-        unsafe {
-            for error in [
-                images.import_image(99, nothing),
-                images.import_buffer(99, vk::Buffer::null()),
-            ] {
-                let error = error.unwrap_err();
-                assert!(matches!(error, BackendError::Range { .. }), "{error}");
-            }
-        }
-        images.run().unwrap();
-        buffers.run().unwrap();
     });
 }
 

@@ -7,6 +7,7 @@ mod homes;
 mod host;
 mod images;
 mod imports;
+mod lent_buffers;
 mod recording;
 mod stages;
 mod state;

@@ -1,5 +1,6 @@
 //! Frames in command buffers of a host.
 use crate::engine::{Engine, engaged};
+use crate::images::bytes;
 use crate::imports::{executable, id};
 use crate::stages::*;
 use crate::state::counting;
@@ -72,6 +73,8 @@ fn executables_follow_each_other_in_one_command_buffer() {
         // SAFETY: the buffer belongs to `first`, which outlives `second`.
         unsafe { second.import_buffer(id(&second, "source"), between) }.unwrap();
         let transfer = vk::PipelineStageFlags::TRANSFER;
+        // A frame begins behind everything, whatever its neighbour says about what comes next.
+        first.set_exit(vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
         second.set_exit(transfer, vk::AccessFlags::TRANSFER_READ);
         let rooms = [engine.room(400), engine.room(400)];
         for round in 0..3u32 {
@@ -228,5 +231,23 @@ fn recorded_frames_are_measured() {
             let times = e.timings().unwrap().unwrap();
             assert_eq!(times.iter().map(|t| t.step).collect::<Vec<_>>(), [0]);
         }
+    });
+}
+
+/// Images that nobody lent are made for the first frame, and start at zero.
+#[test]
+fn own_images_are_made_on_the_way() {
+    engaged(|engine| {
+        let backend = engine.backend();
+        let mut e = executable(&backend, bytes([7, 3]));
+        let [source, target] = ["source", "target"].map(|key| id(&e, key));
+        frame(engine, &mut e);
+        assert_eq!(e.read(target).unwrap(), [0; 16 * 21]);
+        let white = [1f32; 4 * 21];
+        e.upload(source, 0, bytemuck::cast_slice(&white)).unwrap();
+        e.wait().unwrap();
+        frame(engine, &mut e);
+        let got = e.read(target).unwrap();
+        assert_eq!(got, bytemuck::cast_slice::<f32, u8>(&white));
     });
 }
