@@ -217,7 +217,7 @@ impl Schedule {
     }
 
     /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind with its initial
-    /// value, type and length agree.
+    /// value, type, length and image size agree.
     pub fn adoptions(&self, old: &Schedule) -> Vec<(ResourceId, ResourceId)> {
         let before: HashMap<&str, (ResourceId, &Resource)> = (0..)
             .zip(&old.resources)
@@ -228,8 +228,10 @@ impl Schedule {
             .filter(|(_, new)| new.kind.persists())
             .filter_map(|(id, new)| {
                 let &(from, old) = before.get(new.key.as_str())?;
-                let agrees =
-                    old.kind == new.kind && old.element == new.element && old.len == new.len;
+                let agrees = old.kind == new.kind
+                    && old.element == new.element
+                    && old.len == new.len
+                    && old.image == new.image;
                 agrees.then_some((from, id))
             })
             .collect()

@@ -114,6 +114,20 @@ proptest! {
     }
 
     #[test]
+    fn sharing_memory_adds_no_barrier(
+        resources in prop::collection::vec(any::<u8>(), 1..9),
+        stages in prop::collection::vec((any::<u8>(), any::<[u8; 3]>()), 0..24),
+        outputs in any::<u16>(),
+    ) {
+        let shared = record(&resources, &stages).compile(outputs).0;
+        let mut apart = record(&resources, &stages);
+        apart.graph.keep_transients();
+        let apart = apart.compile(outputs).0;
+        prop_assert_eq!(barriers(&shared), barriers(&apart));
+        prop_assert_eq!(apart.shared_bytes(), 0);
+    }
+
+    #[test]
     fn compiling_is_reproducible(
         resources in prop::collection::vec(any::<u8>(), 1..9),
         stages in prop::collection::vec((any::<u8>(), any::<[u8; 3]>()), 0..24),

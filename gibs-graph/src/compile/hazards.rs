@@ -18,6 +18,7 @@ pub(super) fn find_hazards(
     let mut fence = 0;
     let mut edges = Vec::new();
     for (i, step) in (0..).zip(steps) {
+        step.hazards.clear();
         let mut touches = step.touches();
         // Reads of one resource through several ports are one touch.
         touches.retain(|(_, access)| *access != Access::Previous);

@@ -42,7 +42,6 @@ impl Graph {
         let (mut resources, place) = layout::place_resources(&self, &order);
         // 7. Lay out steps, each clear right before the first use of its resource.
         let mut steps = layout::lay_out(&self, &order, &resources, &place);
-        // 8. Let transients share memory where their lifetimes do not meet.
         let outputs: Vec<Output> = self
             .outputs
             .iter()
@@ -53,15 +52,17 @@ impl Graph {
                 })
             })
             .collect();
+        // 8. Find hazards; barriers only where one is.
+        let mut edges = hazards::find_hazards(&mut steps, &resources);
         if self.shares {
+            // 9. Let transients share memory where their lifetimes do not meet, and find the hazards of that.
             let mut outlives = vec![false; resources.len()];
             for output in &outputs {
                 outlives[output.resource as usize] = true;
             }
             share::share(&steps, &mut resources, &outlives);
+            edges = hazards::find_hazards(&mut steps, &resources);
         }
-        // 9. Find hazards; barriers only where one is.
-        let edges = hazards::find_hazards(&mut steps, &resources);
         let dead = self.stages.iter().zip(&live).filter(|(_, live)| !**live);
         let removed = dead.map(|(stage, _)| stage.label.clone()).collect();
         Ok(Schedule {

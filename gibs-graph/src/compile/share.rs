@@ -7,6 +7,9 @@ type Lifetime = (usize, usize);
 
 /// Lets transients whose lifetimes do not meet share memory. `outlives` says what is read after the frame.
 ///
+/// Sharing makes the new user of a memory wait for the old one. Only memory is taken whose last user stands before a
+/// barrier that is there anyway, so that sharing adds none and stages that are independent stay so.
+///
 /// Greedy over the steps: a transient takes, of the memory that is free when it is first touched, the smallest that is
 /// large enough, or else the largest, which then grows.
 pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool]) {
@@ -22,10 +25,21 @@ pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool
         .collect();
     // Of those that begin together, the large ones choose first.
     sharing.sort_by_key(|&((first, _), i)| (first, std::cmp::Reverse(resources[i].bytes), i));
+    // Per step, the last barrier up to it.
+    let mut fence = 0;
+    let fences: Vec<usize> = (0..)
+        .zip(steps)
+        .map(|(i, step)| {
+            if !step.hazards.is_empty() {
+                fence = i;
+            }
+            fence
+        })
+        .collect();
     let mut homes: Vec<(usize, usize)> = Vec::new();
     for ((first, last), i) in sharing {
         let bytes = resources[i].bytes;
-        let free = homes.iter_mut().filter(|(_, until)| *until < first);
+        let free = homes.iter_mut().filter(|(_, until)| *until < fences[first]);
         let best = free.min_by_key(|(home, _)| {
             let room = resources[*home].room;
             if room >= bytes {

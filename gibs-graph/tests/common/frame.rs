@@ -5,7 +5,7 @@ use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph, Initial, Kind, Previous,
 
 /// A frame that is recorded twice: as a graph, and for the oracle.
 pub struct Frame {
-    graph: Graph,
+    pub graph: Graph,
     kinds: Vec<Kind>,
     buffers: Vec<Option<Buffer<u32>>>,
     versions: Vec<u32>,
