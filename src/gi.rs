@@ -167,7 +167,11 @@ impl Gi {
         };
         upload_frame(exec, &self.scene, &self.settings, &update)?;
         if let Some(host) = host {
-            upload(exec, "host", &[*host])?;
+            let host = HostGbuffer {
+                nodes: self.scene.transforms.len() as u32,
+                ..*host
+            };
+            upload(exec, "host", &[host])?;
         }
         self.frame = self.frame.wrapping_add(1);
         Ok(())

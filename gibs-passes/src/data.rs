@@ -92,8 +92,8 @@ element! {
         radiance: u32,
         /// Factor on what the engine gets.
         exposure: f32,
-        /// Zero.
-        pad0: u32,
+        /// Number of scene nodes, which `gibs::Gi` fills in: no surface has an id from here on.
+        nodes: u32,
         /// Zero.
         pad1: u32,
         /// Zero.

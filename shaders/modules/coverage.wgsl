@@ -1,4 +1,5 @@
-// Summed weight of surfels. Reads the stage's globals `cells`, `entries`, `poses`, `depths`, `grid` and `settings`.
+// Summed weight of surfels. Reads the stage's globals `cells`, `entries`, `poses`, `depths`, `grid` and `settings`, and
+// calls the stage's function `coverage_seen` with each surfel that has any weight.
 import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{lookup_alignment, lookup_falloff};
@@ -17,6 +18,9 @@ fn lookup_coverage(point: vec3<f32>, normal: vec3<f32>) -> f32 {
             weight *= depth_visibility(id, pose, d);
         }
         sum += weight;
+        if weight > 0.0 {
+            coverage_seen(id);
+        }
     }
     return sum;
 }

@@ -72,7 +72,7 @@ struct HostGbuffer {
     normals: u32,
     radiance: u32,
     exposure: f32,
-    pad0: u32,
+    nodes: u32,
     pad1: u32,
     pad2: u32,
 }

@@ -15,14 +15,22 @@ import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDept
 @group(0) @binding(6) var<storage, read> entries: array<u32>;
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
-@group(0) @binding(9) var<storage, read_write> candidates: array<u32>;
-@group(0) @binding(10) var<storage, read_write> flags: array<u32>;
+@group(0) @binding(9) var<storage, read_write> unseen: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> candidates: array<u32>;
+@group(0) @binding(11) var<storage, read_write> flags: array<u32>;
 
 /// Side of a tile, texels.
 const TILE: u32 = 16u;
 
 /// Share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
 var<workgroup> least: atomic<u32>;
+
+/// A pixel sees a surfel.
+fn coverage_seen(id: u32) {
+    if atomicLoad(&unseen[id]) != 0u {
+        atomicStore(&unseen[id], 0u);
+    }
+}
 
 /// The texel of a lane.
 fn texel(group: vec3<u32>, lane: u32) -> vec2<u32> {

@@ -8,7 +8,7 @@ import package::gbuffer::{
 };
 import package::octahedral::octahedral_pack;
 import package::surface::{surface_miss, surface_pack_albedo};
-import package::types::{Camera, HostGbuffer, NONE, SurfacePoint};
+import package::types::{Camera, HostGbuffer, SurfacePoint};
 import package::vector::vector_cross;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -55,7 +55,7 @@ fn way(position: vec3<f32>, before: Neighbour, after: Neighbour) -> vec3<f32> {
 fn point(at: vec2<u32>) -> SurfacePoint {
     let z = textureLoad(depth, at, 0).x;
     let id = textureLoad(ids, at, 0).x;
-    if z == host.depth_clear || id == NONE {
+    if z == host.depth_clear || id >= host.nodes {
         return surface_miss();
     }
     let position = gbuffer_position(at, z, camera, host);

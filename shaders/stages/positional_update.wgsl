@@ -3,7 +3,9 @@ import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
 import package::octahedral::octahedral_unpack;
 import package::surfel::surfel_radius_at;
-import package::types::{Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
+import package::types::{
+    Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform
+};
 import package::vector::vector_normalize;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -12,7 +14,7 @@ import package::vector::vector_normalize;
 @group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
 @group(0) @binding(4) var<storage, read> transforms: array<Transform>;
 @group(0) @binding(5) var<storage, read_write> poses: array<SurfelPose>;
-
+@group(0) @binding(6) var<storage, read_write> unseen: array<u32>;
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -27,6 +29,7 @@ fn main(
     if pose.radius <= 0.0 {
         return;
     }
+    unseen[i] = max(unseen[i], unseen[i] + 1u);
     let birth = births[i];
     // A scene that lost the surfel's node leaves the surfel where it is.
     if birth.transform_id >= arrayLength(&transforms) {

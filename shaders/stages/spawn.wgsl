@@ -21,6 +21,7 @@ import package::vector::vector_normalize;
 @group(0) @binding(8) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(9) var<storage, read_write> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
+@group(0) @binding(11) var<storage, read_write> unseen: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -47,6 +48,7 @@ fn main(
     let identity = hash_hash3(tile, frame.number, frame.seed);
     poses[slot] = SurfelPose(point.position, radius, normal, identity);
     irradiance[slot] = SurfelIrradiance();
+    unseen[slot] = 0u;
     // Both moments one: the depth function at the diameter everywhere.
     for (var texel = 0u; texel < 16u; texel++) {
         depths[slot].texels[texel] = 0xffffffffu;

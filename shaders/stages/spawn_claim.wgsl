@@ -1,12 +1,16 @@
-// A free slot for each birth: pops of the free stack by rank, so that no race decides.
+// A free slot for each birth, from the top of the stack down, by rank. Where there are too few slots, the rank that is
+// served first is drawn anew each frame.
+import package::hash::hash_hash2;
 import package::invocation::invocation_index;
-import package::types::{NONE, SurfelCounters};
+import package::types::{Frame, NONE, SurfelCounters};
 
-@group(0) @binding(0) var<storage, read> candidates: array<u32>;
-@group(0) @binding(1) var<storage, read> ranks: array<u32>;
-@group(0) @binding(2) var<storage, read> counters: array<SurfelCounters>;
-@group(0) @binding(3) var<storage, read> free_slots: array<u32>;
-@group(0) @binding(4) var<storage, read_write> claims: array<vec2<u32>>;
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> candidates: array<u32>;
+@group(0) @binding(2) var<storage, read> ranks: array<u32>;
+@group(0) @binding(3) var<storage, read> total: array<u32>;
+@group(0) @binding(4) var<storage, read> counters: array<SurfelCounters>;
+@group(0) @binding(5) var<storage, read> free_slots: array<u32>;
+@group(0) @binding(6) var<storage, read_write> claims: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -19,7 +23,9 @@ fn main(
         return;
     }
     let candidate = candidates[tile];
-    let rank = ranks[tile];
+    let wanted = max(total[0], 1u);
+    let first = hash_hash2(frame.number, frame.seed) % wanted;
+    let rank = (ranks[tile] + first) % wanted;
     let free = counters[0].free;
     var claim = vec2<u32>(NONE, NONE);
     if candidate != NONE && rank < free {

@@ -164,9 +164,9 @@ impl<'a> Surfels<'a> {
     }
 }
 
-/// Summed weight of the surfels at a point: the same weights as [`gather`].
+/// Summed weight of the surfels at a point: the same weights as [`gather`]. Calls `seen` with each surfel that has any.
 #[inline]
-pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
+pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let mut sum = 0.0;
     for &id in s.around(point) {
         let id = id as usize;
@@ -177,6 +177,9 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
             weight *= visibility(&s.depths[id], pose, d);
         }
         sum += weight;
+        if weight > 0.0 {
+            seen(id);
+        }
     }
     sum
 }

@@ -10,6 +10,7 @@ pub mod hash;
 pub mod lookup;
 pub mod octahedral;
 pub mod portable;
+pub mod recycling;
 pub mod sampling;
 pub mod scan;
 pub mod surface;

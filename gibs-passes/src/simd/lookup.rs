@@ -31,11 +31,17 @@ impl Lookup {
 
     /// Same as [`lookup::coverage`].
     #[inline]
-    pub fn coverage(self, point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
+    pub fn coverage(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        s: &Surfels<'_>,
+        seen: impl FnMut(usize),
+    ) -> f32 {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { coverage(point, normal, s) },
-            None => lookup::coverage(point, normal, s),
+            Some(Avx2 { .. }) => unsafe { coverage(point, normal, s, seen) },
+            None => lookup::coverage(point, normal, s, seen),
         }
     }
 
@@ -388,12 +394,18 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
+fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let entries = s.around(point);
     let (point, normal) = (all(point), all(normal));
     let use_depth = s.settings.use_depth != 0;
     let mut pending = Pending::EMPTY;
-    let mut sum = 0.0;
+    let mut total = 0.0;
+    let mut sum = |id: usize, weight: f32| {
+        total += weight;
+        if weight > 0.0 {
+            seen(id);
+        }
+    };
     for chunk in entries.chunks(8) {
         let (ids, there) = eight(chunk);
         // SAFETY: this function is compiled for AVX2.
@@ -407,12 +419,12 @@ fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
         let weights = stored(weight);
         lanes(mask, |lane| {
             if pending.push(ids[lane], weights[lane]) {
-                pending.flush(s, use_depth, &point, |_, weight| sum += weight);
+                pending.flush(s, use_depth, &point, &mut sum);
             }
         });
     }
-    pending.flush(s, use_depth, &point, |_, weight| sum += weight);
-    sum
+    pending.flush(s, use_depth, &point, &mut sum);
+    total
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]

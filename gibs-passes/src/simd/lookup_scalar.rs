@@ -14,8 +14,14 @@ impl Lookup {
     }
 
     /// Same as [`lookup::coverage`].
-    pub fn coverage(self, point: Vec3, normal: Vec3, s: &Surfels<'_>) -> f32 {
-        lookup::coverage(point, normal, s)
+    pub fn coverage(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        s: &Surfels<'_>,
+        seen: impl FnMut(usize),
+    ) -> f32 {
+        lookup::coverage(point, normal, s, seen)
     }
 
     /// Same as [`lookup::gather`].

@@ -93,8 +93,10 @@ fn the_wide_lookup_is_the_scalar_one() {
             Some(&id) if case % 9 == 0 => (poses[id as usize].position, poses[id as usize].normal),
             _ => (direction(case, 20) * random(case, 23), direction(case, 24)),
         };
-        let coverage = lookup::coverage(point, normal, &surfels);
-        let same = wide.coverage(point, normal, &surfels);
+        let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
+        let coverage = lookup::coverage(point, normal, &surfels, |id| seen.push(id));
+        let same = wide.coverage(point, normal, &surfels, |id| same_seen.push(id));
+        assert_eq!(seen, same_seen, "case {case}");
         assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
         let gathered = lookup::gather(point, normal, &surfels, &light);
         let same = wide.gather(point, normal, &surfels, &light);

@@ -4,13 +4,14 @@ use crate::data::{
 };
 use crate::shared::{hash, lookup, octahedral, surface};
 use crate::simd;
-use gibs_graph::{Workgroup, stage};
+use gibs_graph::{AtomicView, Workgroup, stage};
 use glam::{UVec2, Vec3};
 
 stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
     /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
-    /// Coverage is the summed weight of apply. One workgroup per tile.
+    /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
+    /// over. One workgroup per tile.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],
@@ -24,6 +25,7 @@ stage! {
             read entries: u32,
             read poses: SurfelPose,
             read depths: SurfelDepth,
+            atomic unseen: u32,
             write candidates: u32,
             write flags: u32,
         },
@@ -36,21 +38,31 @@ stage! {
 pub const TILE: u32 = 16;
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    fill(p, group, lookup::coverage);
+    fill(p, group, |point, normal, surfels, unseen| {
+        lookup::coverage(point, normal, surfels, |id| see(unseen, id))
+    });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    fill(p, group, |point, normal, surfels| {
-        wide.coverage(point, normal, surfels)
+    fill(p, group, |point, normal, surfels, unseen| {
+        wide.coverage(point, normal, surfels, |id| see(unseen, id))
     });
+}
+
+/// A pixel sees a surfel. Nothing is stored where that was known, so that threads do not fight for the memory.
+#[inline(always)]
+fn see(unseen: AtomicView<'_>, id: usize) {
+    if unseen.load(id) != 0 {
+        unseen.store(id, 0);
+    }
 }
 
 #[inline(always)]
 fn fill(
     p: &Views<'_>,
     group: Workgroup,
-    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>) -> f32,
+    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, AtomicView<'_>) -> f32,
 ) {
     let surfels = lookup::Surfels {
         cells: p.cells.slice(),
@@ -73,7 +85,7 @@ fn fill(
             continue;
         }
         let normal = octahedral::unpack(point.shading_normal);
-        let coverage = coverage(point.position, normal, &surfels);
+        let coverage = coverage(point.position, normal, &surfels, p.unseen);
         let share = (coverage / p.settings.coverage).min(1.0);
         let tie = hash::hash3(tile, hash::hash2(p.frame.number, p.frame.seed), lane) & 0xff;
         least = least.min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);

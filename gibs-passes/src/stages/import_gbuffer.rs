@@ -1,5 +1,5 @@
 //! `gbuffer/import`: an engine's G-buffer as surface points.
-use crate::data::{Camera, HostGbuffer, NONE, SurfacePoint};
+use crate::data::{Camera, HostGbuffer, SurfacePoint};
 use crate::shared::{gbuffer, octahedral, surface};
 use gibs_graph::{Float, ImageView, Uint, Workgroup, stage};
 use glam::{UVec2, Vec3, Vec4};
@@ -78,7 +78,7 @@ fn load<T: gibs_graph::Sampled<Value = Vec4>>(image: &ImageView<'_, T>, at: UVec
 fn point(p: &Views<'_>, at: UVec2) -> SurfacePoint {
     let z = load(&p.depth, at).x;
     let id = p.ids.load(at.x, at.y).x;
-    if z == p.host.depth_clear || id == NONE {
+    if z == p.host.depth_clear || id >= p.host.nodes {
         return surface::MISS;
     }
     let position = gbuffer::position(at, z, p.camera, p.host);

@@ -17,6 +17,9 @@ pub mod integrate;
 pub mod light_batch;
 pub mod positional_update;
 pub mod primary_rays;
+pub mod recycle;
+pub mod recycle_commit;
+pub mod recycle_push;
 pub mod reference_accumulate;
 pub mod reference_emitters;
 pub mod reference_remaining;
@@ -75,6 +78,9 @@ pub fn all() -> Vec<StageInfo> {
         info::<light_batch::LightBatch>(),
         info::<positional_update::PositionalUpdate>(),
         info::<primary_rays::PrimaryRays>(),
+        info::<recycle::Recycle>(),
+        info::<recycle_commit::RecycleCommit>(),
+        info::<recycle_push::RecyclePush>(),
         info::<reference_accumulate::ReferenceAccumulate>(),
         info::<reference_emitters::ReferenceEmitters>(),
         info::<reference_remaining::ReferenceRemaining>(),

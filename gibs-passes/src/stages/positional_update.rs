@@ -8,7 +8,7 @@ use glam::Vec3;
 
 stage! {
     /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
-    /// "Surfelization of the Scene", "Scale").
+    /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in.
     pub stage PositionalUpdate {
         wgsl: gibs_shaders::stages::POSITIONAL_UPDATE,
         workgroup: [64, 1, 1],
@@ -19,6 +19,7 @@ stage! {
             read births: SurfelBirth,
             read transforms: Transform,
             read_write poses: SurfelPose,
+            read_write unseen: u32,
         },
         cpu: kernel,
         wide: None,
@@ -45,6 +46,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         if pose.radius <= 0.0 {
             continue;
         }
+        p.unseen.set(i, p.unseen.get(i).saturating_add(1));
         let birth = &p.births[i];
         // A scene that lost the surfel's node leaves the surfel where it is.
         let Some(transform) = p.transforms.get(birth.transform_id as usize) else {

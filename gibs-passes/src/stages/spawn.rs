@@ -27,6 +27,7 @@ stage! {
             write poses: SurfelPose,
             write irradiance: SurfelIrradiance,
             write depths: SurfelDepth,
+            write unseen: u32,
         },
         cpu: kernel,
         wide: None,
@@ -65,6 +66,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());
+        p.unseen.set(slot, 0);
         p.depths.set(
             slot,
             SurfelDepth {

@@ -1,17 +1,21 @@
 //! `spawn/spawn_claim`: a free slot for each birth (S4).
-use crate::data::{NONE, SurfelCounters};
+use crate::data::{Frame, NONE, SurfelCounters};
+use crate::shared::hash;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Pops the free stack for each tile with a candidate, by rank, so that no race decides. `claims` is (slot, texel);
+    /// Pops the free stack for each tile with a candidate, by rank, so that no race decides; where there are
+    /// too few slots, the rank that is served first is drawn anew each frame, so that no part of the picture starves. `claims` is (slot, texel);
     /// the slot is `NONE` where no surfel is born or none is free.
     pub stage SpawnClaim {
         wgsl: gibs_shaders::stages::SPAWN_CLAIM,
         workgroup: [64, 1, 1],
         ports: {
+            uniform frame: Frame,
             read candidates: u32,
             read ranks: u32,
+            read total: u32,
             read counters: SurfelCounters,
             read free_slots: u32,
             write claims: UVec2,
@@ -23,7 +27,9 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for tile in group.range(p.candidates.len() as u32) {
-        let (candidate, rank) = (p.candidates[tile], p.ranks[tile]);
+        let candidate = p.candidates[tile];
+        let first = hash::hash2(p.frame.number, p.frame.seed) % p.total[0].max(1);
+        let rank = (p.ranks[tile] + first) % p.total[0].max(1);
         let free = p.counters[0].free;
         let claim = if candidate != NONE && rank < free {
             UVec2::new(p.free_slots[(free - 1 - rank) as usize], candidate)

@@ -23,11 +23,13 @@ pub(super) fn update_positions(
             births: &surfels.births,
             transforms: &scene.transforms,
             poses: surfels.poses,
+            unseen: surfels.unseen,
         },
         Dispatch::Elements(capacity),
     );
     Surfels {
         poses: moved.poses,
+        unseen: moved.unseen,
         ..surfels
     }
 }

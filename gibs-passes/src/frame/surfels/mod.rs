@@ -1,6 +1,7 @@
 //! The surfel frame, in the order of the talk's frame overview.
 mod grid;
 mod rays;
+mod recycle;
 mod screen;
 mod spawn;
 
@@ -42,6 +43,7 @@ struct Surfels {
     poses: Buffer<SurfelPose>,
     irradiance: Buffer<SurfelIrradiance>,
     depths: Buffer<SurfelDepth>,
+    unseen: Buffer<u32>,
 }
 
 /// Their states, which wait for the last versions.
@@ -50,6 +52,7 @@ struct SurfelStates {
     poses: State<SurfelPose>,
     irradiance: State<SurfelIrradiance>,
     depths: State<SurfelDepth>,
+    unseen: State<u32>,
 }
 
 impl Surfels {
@@ -58,18 +61,21 @@ impl Surfels {
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
         let (depths_state, depths) = g.state("surfel_depths", capacity, Initial::Zero);
+        let (unseen_state, unseen) = g.state("surfel_unseen", capacity, Initial::Zero);
         (
             SurfelStates {
                 births: births_state,
                 poses: poses_state,
                 irradiance: irradiance_state,
                 depths: depths_state,
+                unseen: unseen_state,
             },
             Self {
                 births,
                 poses,
                 irradiance,
                 depths,
+                unseen,
             },
         )
     }
@@ -79,7 +85,14 @@ impl Surfels {
         g.keep(states.poses, self.poses);
         g.keep(states.irradiance, self.irradiance);
         g.keep(states.depths, self.depths);
+        g.keep(states.unseen, self.unseen);
     }
+}
+
+/// The free slots of the surfels.
+struct Slots {
+    counters: Buffer<SurfelCounters>,
+    free: Buffer<u32>,
 }
 
 /// The lists of the grid's cells.
@@ -113,6 +126,12 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     // Persistent
     let surfels = grid::update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
     let (grid, overflow) = grid::build_grid(g, shape, &surfels, frame, capacity);
+    let slots = Slots {
+        counters: counters.1,
+        free: free_slots.1,
+    };
+    let (surfels, slots) =
+        recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
     let surfels = rays::integrate_rays(
         g,
         &scene,
@@ -132,8 +151,8 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
         surfels,
         frame,
         &seen.points,
-        counters.1,
-        &free_slots.1,
+        slots.counters,
+        &slots.free,
     );
 
     screen::apply(
@@ -161,7 +180,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     g.output("overflow", &overflow);
     surfels.keep(g, states);
     g.keep(counters.0, counters_last);
-    g.keep(free_slots.0, free_slots.1);
+    g.keep(free_slots.0, slots.free);
 }
 
 /// Light at points that the host asks for: the stages of the group `query`, which can also run between frames, since

@@ -37,6 +37,7 @@ pub(super) fn spawn_surfels(
             entries: &grid.entries,
             poses: &surfels.poses,
             depths: &surfels.depths,
+            unseen: surfels.unseen,
             candidates,
             flags,
         },
@@ -48,8 +49,10 @@ pub(super) fn spawn_surfels(
         .add::<spawn_claim::SpawnClaim>(
             "spawn/claim",
             spawn_claim::Inputs {
+                frame: &scene.frame,
                 candidates: &found.candidates,
                 ranks: &ranks,
+                total: &total,
                 counters: &counters,
                 free_slots,
                 claims,
@@ -78,6 +81,7 @@ pub(super) fn spawn_surfels(
             poses: surfels.poses,
             irradiance: surfels.irradiance,
             depths: surfels.depths,
+            unseen: found.unseen,
         },
         Dispatch::Elements(tiles),
     );
@@ -86,6 +90,7 @@ pub(super) fn spawn_surfels(
         poses: written.poses,
         irradiance: written.irradiance,
         depths: written.depths,
+        unseen: written.unseen,
     };
     (surfels, counters)
 }

@@ -1,0 +1,75 @@
+//! When surfels give up their slots (GIBS, "Recycling").
+
+/// Share of slots in use up to which nothing presses.
+pub const EASE: f32 = 0.5;
+
+/// Frames unseen before a surfel may go: what is seen again at once stays.
+pub const PATIENCE: u32 = 16;
+
+/// Chance per frame of an unseen surfel, while nothing presses: one in twenty seconds goes, at sixty frames a second.
+pub const CALM: f32 = 1.0 / 1200.0;
+
+/// Chance per frame of an unseen surfel when all slots are in use.
+pub const PRESSED: f32 = 1.0 / 12.0;
+
+/// Distance, over the half size of the grid's centre cube, at which an unseen surfel goes twice as soon as one close by.
+pub const FAR: f32 = 32.0;
+
+/// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
+pub const CROWDED: f32 = 4.0;
+
+/// Chance per frame of a surfel in a crowd of twice that, or more. Low, so that a crowd thins out over some frames and
+/// does not vanish at once.
+pub const THINNING: f32 = 1.0 / 16.0;
+
+/// Chance that a surfel goes this frame: `used` is the share of slots in use, `unseen` the frames since a pixel saw it,
+/// `distance` that to the eye over the half size of the centre cube, `others` what other surfels cover its place, over
+/// the coverage at which spawning stops.
+#[inline]
+pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
+    let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);
+    let squared = pressure * pressure;
+    let crowd = ((others - CROWDED) / CROWDED).clamp(0.0, 1.0) * THINNING;
+    if unseen < PATIENCE {
+        return crowd;
+    }
+    let away = CALM + (PRESSED - CALM) * squared;
+    let farther = 1.0 + distance / (distance + FAR);
+    (away * farther).max(crowd)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_seen_and_not_crowded_stays() {
+        for used in [0.0, 0.5, 1.0] {
+            for distance in [0.0, 1.0, 1e6] {
+                assert_eq!(chance(used, PATIENCE - 1, distance, CROWDED), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_chance_grows_with_each_cause() {
+        let base = chance(0.6, 100, 10.0, 0.0);
+        assert!(chance(0.9, 100, 10.0, 0.0) > base, "fewer free slots");
+        assert!(chance(0.6, 100, 20.0, 0.0) > base, "farther away");
+        assert!(chance(0.6, 100, 10.0, 100.0) > base, "crowded");
+        assert!(chance(0.6, PATIENCE - 1, 10.0, 0.0) < base, "just seen");
+    }
+
+    #[test]
+    fn the_chance_is_one_at_every_extreme() {
+        for used in [0.0, 1.0] {
+            for unseen in [0, PATIENCE, u32::MAX] {
+                for distance in [0.0, 1e30] {
+                    for others in [-2.0, 0.0, 1e30] {
+                        assert!((0.0..=1.0).contains(&chance(used, unseen, distance, others)));
+                    }
+                }
+            }
+        }
+    }
+}

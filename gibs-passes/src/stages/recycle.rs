@@ -1,0 +1,78 @@
+//! `persistent/recycle`: which surfels give up their slots (S9).
+use crate::data::{
+    Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings,
+};
+use crate::shared::{hash, lookup, recycling};
+use crate::simd;
+use gibs_graph::{Workgroup, stage};
+use glam::{UVec2, Vec3};
+
+stage! {
+    /// Draws, for each live surfel, whether it goes (GIBS, "Recycling"): with a probability from how many slots are in
+    /// use, how long no pixel has seen it, how far away it is, and how crowded its place is. `gone` is 1 for those.
+    pub stage Recycle {
+        wgsl: gibs_shaders::stages::RECYCLE,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform camera: Camera,
+            uniform frame: Frame,
+            uniform grid: GridShape,
+            uniform settings: SurfelSettings,
+            read cells: UVec2,
+            read entries: u32,
+            read poses: SurfelPose,
+            read depths: SurfelDepth,
+            read counters: SurfelCounters,
+            read unseen: u32,
+            write gone: u32,
+        },
+        cpu: kernel,
+        wide: Some(wide_kernel),
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    choose(p, group, |point, normal, surfels| {
+        lookup::coverage(point, normal, surfels, |_| {})
+    });
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let wide = simd::Lookup::new();
+    choose(p, group, |point, normal, surfels| {
+        wide.coverage(point, normal, surfels, |_| {})
+    });
+}
+
+#[inline(always)]
+fn choose(
+    p: &Views<'_>,
+    group: Workgroup,
+    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>) -> f32,
+) {
+    let surfels = lookup::Surfels {
+        cells: p.cells.slice(),
+        entries: p.entries.slice(),
+        poses: p.poses.slice(),
+        depths: p.depths.slice(),
+        grid: p.grid,
+        settings: p.settings,
+    };
+    let used = 1.0 - p.counters[0].free as f32 / p.settings.capacity as f32;
+    for i in group.range(p.settings.capacity) {
+        let pose = &p.poses[i];
+        let mut gone = 0;
+        if pose.radius > 0.0 {
+            let others = coverage(pose.position, pose.normal, &surfels) - lookup::PEAK;
+            let chance = recycling::chance(
+                used,
+                p.unseen[i],
+                (pose.position - p.camera.eye).length() / p.grid.half,
+                others / p.settings.coverage,
+            );
+            let random = hash::unit(hash::hash3(pose.identity, p.frame.number, p.frame.seed));
+            gone = u32::from(random < chance);
+        }
+        p.gone.set(i, gone);
+    }
+}

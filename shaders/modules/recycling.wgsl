@@ -1,0 +1,29 @@
+// When surfels give up their slots (GIBS, "Recycling").
+
+/// Share of slots in use up to which nothing presses.
+const RECYCLING_EASE: f32 = 0.5;
+/// Frames unseen before a surfel may go.
+const RECYCLING_PATIENCE: u32 = 16u;
+/// Chance per frame of an unseen surfel, while nothing presses.
+const RECYCLING_CALM: f32 = 1.0 / 1200.0;
+/// Chance per frame of an unseen surfel when all slots are in use.
+const RECYCLING_PRESSED: f32 = 1.0 / 12.0;
+/// Distance, over the half size of the grid's centre cube, at which an unseen surfel goes twice as soon as one close by.
+const RECYCLING_FAR: f32 = 32.0;
+/// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
+const RECYCLING_CROWDED: f32 = 4.0;
+/// Chance per frame of a surfel in a crowd of twice that, or more.
+const RECYCLING_THINNING: f32 = 1.0 / 16.0;
+
+/// Chance that a surfel goes this frame.
+fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
+    let pressure = clamp((used - RECYCLING_EASE) / (1.0 - RECYCLING_EASE), 0.0, 1.0);
+    let squared = pressure * pressure;
+    let crowd = clamp((others - RECYCLING_CROWDED) / RECYCLING_CROWDED, 0.0, 1.0) * RECYCLING_THINNING;
+    if unseen < RECYCLING_PATIENCE {
+        return crowd;
+    }
+    let away = RECYCLING_CALM + (RECYCLING_PRESSED - RECYCLING_CALM) * squared;
+    let farther = 1.0 + distance / (distance + RECYCLING_FAR);
+    return max(away * farther, crowd);
+}

@@ -1,0 +1,46 @@
+// Which surfels give up their slots.
+import package::coverage::lookup_coverage;
+import package::hash::{hash_hash3, hash_unit};
+import package::invocation::invocation_index;
+import package::lookup::LOOKUP_PEAK;
+import package::recycling::recycling_chance;
+import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings};
+import package::vector::vector_length;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> frame: Frame;
+@group(0) @binding(2) var<uniform> grid: GridShape;
+@group(0) @binding(3) var<uniform> settings: SurfelSettings;
+@group(0) @binding(4) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> entries: array<u32>;
+@group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
+@group(0) @binding(8) var<storage, read> counters: array<SurfelCounters>;
+@group(0) @binding(9) var<storage, read> unseen: array<u32>;
+@group(0) @binding(10) var<storage, read_write> gone: array<u32>;
+
+/// Nobody asks which surfels cover the place of another one.
+fn coverage_seen(id: u32) {}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= settings.capacity {
+        return;
+    }
+    let pose = poses[i];
+    if pose.radius <= 0.0 {
+        gone[i] = 0u;
+        return;
+    }
+    let used = 1.0 - f32(counters[0].free) / f32(settings.capacity);
+    let others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;
+    let distance = vector_length(pose.position - camera.eye) / grid.half;
+    let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);
+    let random = hash_unit(hash_hash3(pose.identity, frame.number, frame.seed));
+    gone[i] = select(0u, 1u, random < chance);
+}

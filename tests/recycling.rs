@@ -1,0 +1,175 @@
+//! Surfels that go give their slots back: none is lost, none is given twice, and the new ones use them.
+mod common;
+
+use common::{all_backends, cpu, mean, settings};
+use gibs::graph::Executable;
+use gibs::passes::data::{SurfelCounters, SurfelPose};
+use gibs::passes::frame::Settings;
+use gibs::passes::scene::Camera;
+use gibs::{Renderer, builtin};
+use glam::DVec3;
+use std::collections::BTreeSet;
+
+const SIZE: [u32; 2] = [96, 54];
+
+fn state<T: bytemuck::Pod>(exec: &mut dyn Executable, key: &str) -> Vec<T> {
+    let id = exec.schedule().resource(key).expect("a state");
+    bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
+}
+
+/// Every slot is either on the free stack, once, or holds a live surfel.
+fn check_slots(renderer: &mut Renderer, place: &str) -> usize {
+    let exec = renderer.executable();
+    let counters: Vec<SurfelCounters> = state(exec, "surfel_counters");
+    let stack: Vec<u32> = state(exec, "surfel_free_slots");
+    let poses: Vec<SurfelPose> = state(exec, "surfel_poses");
+    let free = &stack[..counters[0].free as usize];
+    let distinct: BTreeSet<u32> = free.iter().copied().collect();
+    assert_eq!(distinct.len(), free.len(), "{place}: a slot is free twice");
+    let dead: BTreeSet<u32> = (0..)
+        .zip(&poses)
+        .filter(|(_, pose)| pose.radius <= 0.0)
+        .map(|(slot, _)| slot)
+        .collect();
+    assert_eq!(
+        distinct, dead,
+        "{place}: slots that are free and slots without a surfel"
+    );
+    poses.len() - free.len()
+}
+
+/// A camera on its way through the atrium, and back.
+fn on_the_way(start: &Camera, frame: u32) -> Camera {
+    let t = f64::from(frame) / 60.0;
+    let along = DVec3::new(2.0 * (t * 0.9).sin(), 0.4 * t.sin(), 3.0 * (t * 0.7).sin());
+    let turn = t * 1.3;
+    let [_, _, forward] = start.axes();
+    let turned = DVec3::new(
+        forward.x * turn.cos() - forward.z * turn.sin(),
+        forward.y,
+        forward.x * turn.sin() + forward.z * turn.cos(),
+    );
+    let position = start.position + along;
+    Camera {
+        position,
+        target: position + turned,
+        ..*start
+    }
+}
+
+#[test]
+fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
+    let (scene, view) = builtin::by_name("atrium").expect("built in");
+    let settings = Settings {
+        surfels: 1024,
+        ..settings(2000)
+    };
+    let mut counts = Vec::new();
+    for backend in all_backends() {
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0)
+            .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+        let mut count = Vec::new();
+        for frame in 0..150 {
+            renderer.set_camera(on_the_way(&view.camera, frame));
+            renderer.frame().expect("a frame");
+            if frame % 10 == 9 {
+                let place = format!("{}, frame {frame}", backend.name());
+                count.push(check_slots(&mut renderer, &place));
+            }
+        }
+        println!("{}: live {count:?}", backend.name());
+        counts.push(count);
+    }
+    assert!(
+        counts.windows(2).all(|pair| pair[0] == pair[1]),
+        "backends differ: {counts:?}"
+    );
+}
+
+/// With slots for one view only, a cut to another place recycles the old surfels: the new place gets as much light as
+/// in a renderer that saw nothing else.
+#[test]
+fn a_cut_to_another_place_reuses_the_slots() {
+    let (scene, view) = builtin::by_name("atrium").expect("built in");
+    let settings = Settings {
+        surfels: 600,
+        ..settings(4000)
+    };
+    let mut other = view.camera;
+    std::mem::swap(&mut other.position, &mut other.target);
+    let backend = cpu();
+    let mut cut = Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0).expect("one");
+    for _ in 0..60 {
+        cut.frame().expect("a frame");
+    }
+    let before = check_slots(&mut cut, "before the cut");
+    cut.set_camera(other);
+    for _ in 0..90 {
+        cut.frame().expect("a frame");
+    }
+    let after = check_slots(&mut cut, "after the cut");
+    let there = gibs::view::View {
+        camera: other,
+        ..view
+    };
+    let mut fresh =
+        Renderer::new(backend.as_ref(), &scene, &there, SIZE, &settings, 0).expect("one");
+    for _ in 0..90 {
+        fresh.frame().expect("a frame");
+    }
+    let alone = check_slots(&mut fresh, "without a cut");
+    let covered = |renderer: &mut Renderer| {
+        let picture = renderer.picture().expect("a picture");
+        let coverage = picture.scalar("coverage.A").expect("coverage").to_vec();
+        let sum: f32 = coverage.iter().sum();
+        (sum / coverage.len() as f32, mean(&picture, "E"))
+    };
+    let ((a, light), (b, expected)) = (covered(&mut cut), covered(&mut fresh));
+    println!(
+        "{before} live before, {after} after, {alone} without a cut; coverage {a:.3} and {b:.3}; E {light:.4} and {expected:.4}"
+    );
+    assert!(a > 0.85 * b, "coverage {a} after the cut, {b} without");
+    assert!(
+        (light / expected - 1.0).abs() < 0.1,
+        "light {light} after the cut, {expected} without"
+    );
+}
+
+/// Going away from a wall makes surfels too many; they thin out to a small multiple of those that are born there: a crowd begins at four times
+/// the coverage that is wanted, so that what random births make is left alone.
+#[test]
+fn backing_away_thins_out_a_crowd() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let settings = settings(2000);
+    let [_, _, forward] = view.camera.axes();
+    let back = |metres: f64| Camera {
+        position: view.camera.position - forward * metres,
+        target: view.camera.target - forward * metres,
+        ..view.camera
+    };
+    let backend = cpu();
+    let live = |path: &[(f64, u32)]| {
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &scene, &view, [96, 96], &settings, 0).expect("one");
+        let mut counts = Vec::new();
+        for &(metres, frames) in path {
+            renderer.set_camera(back(metres));
+            for _ in 0..frames {
+                renderer.frame().expect("a frame");
+            }
+            counts.push(check_slots(&mut renderer, "on the way back"));
+        }
+        counts
+    };
+    let backed = live(&[(0.0, 60), (24.0, 240)]);
+    let born = live(&[(24.0, 120)]);
+    println!("{backed:?}, born there {born:?}");
+    assert!(
+        backed[1] * 10 < backed[0] * 7,
+        "{backed:?}: the crowd stays"
+    );
+    assert!(
+        backed[1] < born[0] * 8,
+        "{backed:?} of which {born:?} are enough"
+    );
+}
