@@ -196,7 +196,8 @@ impl CompiledKernel {
             bounds_check_policies: BoundsCheckPolicies {
                 index: BoundsCheckPolicy::Restrict,
                 buffer: BoundsCheckPolicy::Restrict,
-                image_load: BoundsCheckPolicy::Restrict,
+                // `Restrict` is not valid SPIR-V where coordinates are unsigned: naga subtracts a signed one.
+                image_load: BoundsCheckPolicy::ReadZeroSkipWrite,
                 binding_array: BoundsCheckPolicy::Unchecked,
             },
             zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::Native,

@@ -123,6 +123,32 @@ fn overrides_take_their_defaults() {
     );
 }
 
+/// naga's bounds checks that clamp coordinates make vectors of unsigned integers from signed ones.
+#[test]
+fn constant_vectors_are_of_their_parts() {
+    const VECTOR: u32 = 23;
+    const CONSTANT: u32 = 43;
+    const COMPOSITE: u32 = 44;
+    let load = "@group(0) @binding(0) var seen: texture_2d<f32>;
+@group(0) @binding(1) var shown: texture_storage_2d<rgba16float, write>;
+@compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
+    textureStore(shown, at.xy, textureLoad(seen, at.xy, 0) + textureLoad(seen, vec2<i32>(at.yx), 0));
+}";
+    let kernel = Compiler::new().compile(&source(load, &[], &[])).unwrap();
+    let words = kernel.spirv((1, 4)).unwrap();
+    let code = instructions(&words);
+    let of = |kind: u32| code.iter().filter(move |(op, _)| *op == kind);
+    for (_, composite) in of(COMPOSITE) {
+        let Some((_, vector)) = of(VECTOR).find(|(_, args)| args[0] == composite[0]) else {
+            continue;
+        };
+        for part in &composite[2..] {
+            let constant = of(CONSTANT).find(|(_, args)| args[1] == *part);
+            assert!(constant.is_none_or(|(_, args)| args[0] == vector[1]));
+        }
+    }
+}
+
 #[test]
 fn features_ask_for_more_than_webgpu() {
     const RAYS: &str = "@if(RAY_QUERY) enable wgpu_ray_query;
