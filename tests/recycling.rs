@@ -92,7 +92,9 @@ fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
 fn a_cut_to_another_place_reuses_the_slots() {
     let (scene, view) = builtin::by_name("atrium").expect("built in");
     let settings = Settings {
-        surfels: 600,
+        surfels: 440,
+        // Surfels are few here, and wide: each lies in many cells.
+        grid_lists: 64,
         ..settings(4000)
     };
     let mut other = view.camera;
@@ -128,9 +130,9 @@ fn a_cut_to_another_place_reuses_the_slots() {
     println!(
         "{before} live before, {after} after, {alone} without a cut; coverage {a:.3} and {b:.3}; E {light:.4} and {expected:.4}"
     );
-    assert!(a > 0.85 * b, "coverage {a} after the cut, {b} without");
+    assert!(a > 0.95 * b, "coverage {a} after the cut, {b} without");
     assert!(
-        (light / expected - 1.0).abs() < 0.1,
+        (light / expected - 1.0).abs() < 0.03,
         "light {light} after the cut, {expected} without"
     );
 }
