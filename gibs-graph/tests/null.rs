@@ -239,6 +239,33 @@ fn limits_are_held() {
     assert_eq!((need, most), (2, 1));
 }
 
+/// Uniforms and data of wide CPU kernels are no storage buffers.
+#[test]
+fn limits_count_what_devices_bind() {
+    let mut g = Graph::new("test");
+    let batch = g.input("batch", 1);
+    let extra = g.input("extra", LEN);
+    let target = g.zeroed("target", LEN);
+    let inputs = batched::Inputs {
+        batch: &batch,
+        target,
+    };
+    let target = g.add::<batched::Batched>("batched", inputs, all()).target;
+    let inputs = hosted::Inputs {
+        extra: &extra,
+        target,
+    };
+    let target = g.add::<hosted::Hosted>("hosted", inputs, all()).target;
+    g.output("target", &target);
+    let schedule = Arc::new(compiled(g));
+    let prepare = |buffers| {
+        let backend = NullBackend::with_limits(u64::MAX, buffers);
+        backend.prepare(Arc::clone(&schedule), None)
+    };
+    assert!(prepare(1).is_ok());
+    assert!(prepare(0).is_err());
+}
+
 /// A schedule that no machine has memory for is prepared; touching it is an error and not the end of the process.
 #[test]
 fn memory_is_taken_when_touched() {
