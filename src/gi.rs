@@ -5,8 +5,8 @@ use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, SceneSizes, Screen, Settings, SurfelFrame, pixel_angle, surfel_frame, upload,
-    upload_frame, upload_scene,
+    FrameUpdate, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, pixel_angle,
+    surfel_frame, upload, upload_frame, upload_scene,
 };
 use gibs_passes::scene::{Camera, Scene};
 use gibs_passes::shared::grid::GridLayout;
@@ -91,6 +91,22 @@ impl Gi {
         settings: &Settings,
         screen: Screen,
     ) -> Result<Self, RenderError> {
+        Self::extended(scene, view, size, settings, screen, |_, _| {})
+    }
+
+    /// As [`Gi::new`], with more stages: `extend` records them into the frame's graph, after what the frame gives.
+    ///
+    /// # Errors
+    /// As [`Gi::new`]; of the stages of `extend`, [`RenderError::Graph`] names what is wrong, in a build with a GPU
+    /// backend also where a device kernel does not match its ports.
+    pub fn extended(
+        scene: &Scene,
+        view: &View,
+        size: [u32; 2],
+        settings: &Settings,
+        screen: Screen,
+        extend: impl FnOnce(&mut Graph, SurfelOutputs),
+    ) -> Result<Self, RenderError> {
         check_size(size)?;
         settings.check()?;
         let scene = device_scene(scene, view)?;
@@ -102,7 +118,8 @@ impl Gi {
             settings: settings.clone(),
             screen,
         };
-        surfel_frame(&mut g, &frame, &SceneSizes::of(&scene));
+        let outputs = surfel_frame(&mut g, &frame, &SceneSizes::of(&scene));
+        extend(&mut g, outputs);
         Ok(Self {
             schedule: Arc::new(compile(g)?),
             scene,

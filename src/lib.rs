@@ -5,6 +5,7 @@
 //! [`backends::open`] finds one. [`gltf_import::load`] and [`builtin::by_name`] make scenes.
 pub mod backends;
 pub mod builtin;
+mod channels;
 pub mod cli;
 pub mod compare;
 pub mod gi;
@@ -18,6 +19,7 @@ pub mod view;
 pub use gi::{Gi, HostImage};
 pub use gibs_graph as graph;
 pub use gibs_passes as passes;
+pub use gibs_shaders as shaders;
 pub use query::Irradiance;
 pub use renderer::{RenderError, Renderer};
 
@@ -25,3 +27,8 @@ pub use renderer::{RenderError, Renderer};
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// Runs the programs in the guide to extending.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/extending.md")]
+struct Extending;

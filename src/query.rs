@@ -1,6 +1,7 @@
 //! Irradiance at points that a program asks for.
+use crate::channels::read_output;
 use crate::gi::Gi;
-use crate::renderer::{RenderError, read_output};
+use crate::renderer::RenderError;
 use gibs_graph::Executable;
 use gibs_passes::data::{Gathered, SurfacePoint};
 use gibs_passes::frame::upload;
@@ -59,7 +60,10 @@ pub(crate) fn irradiance(
             exec.run_step(step)?;
         }
         let gathered: Vec<Gathered> = read_output(exec, "query_gathered")?;
-        let direct: Vec<Vec4> = read_output(exec, "query_direct")?;
+        let direct: Vec<Vec4> = match schedule.output("query_direct") {
+            Some(_) => read_output(exec, "query_direct")?,
+            None => Vec::new(), // a scene without lights
+        };
         let direct = direct
             .iter()
             .map(|d| d.truncate())

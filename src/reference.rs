@@ -1,8 +1,7 @@
 //! Path-traced ground truth.
+use crate::channels::{read_output, set, surface_channels};
 use crate::picture::Picture;
-use crate::renderer::{
-    RenderError, check_size, compile, device_scene, read_output, set, surface_channels,
-};
+use crate::renderer::{RenderError, check_size, compile, device_scene};
 use crate::view::View;
 use gibs_graph::{Backend, Graph};
 use gibs_passes::data::{Ray, ReferencePath, SurfacePoint};

@@ -1,15 +1,16 @@
 //! Rendering a scene with the surfel frame.
+use crate::channels::{read_output, set, surface_channels};
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
 use crate::query::{self, Irradiance};
 use crate::view::View;
-use gibs_graph::{Backend, BackendError, Executable, Graph, GraphErrors, Schedule};
+use gibs_graph::{Backend, BackendError, Element, Executable, Graph, GraphErrors, Schedule};
 use gibs_passes::accel::BuildError;
 use gibs_passes::data::{SurfacePoint, SurfelCounters};
 use gibs_passes::device::DeviceScene;
-use gibs_passes::frame::{Screen, SettingError, Settings};
+use gibs_passes::frame::{Screen, SettingError, Settings, SurfelOutputs};
 use gibs_passes::scene::Scene;
-use gibs_passes::shared::{octahedral, surface};
+use gibs_passes::shared::surface;
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
 use thiserror::Error;
@@ -120,7 +121,25 @@ impl Renderer {
         settings: &Settings,
         seed: u32,
     ) -> Result<Self, RenderError> {
-        let gi = Gi::new(scene, view, size, settings, Screen::Traced)?.with_seed(seed);
+        Self::extended(backend, scene, view, size, settings, seed, |_, _| {})
+    }
+
+    /// As [`Renderer::new`], with more stages: `extend` records them into the frame's graph, after what the frame
+    /// gives. [`Renderer::output`] reads what they make.
+    ///
+    /// # Errors
+    /// As [`Gi::extended`].
+    pub fn extended(
+        backend: &dyn Backend,
+        scene: &Scene,
+        view: &View,
+        size: [u32; 2],
+        settings: &Settings,
+        seed: u32,
+        extend: impl FnOnce(&mut Graph, SurfelOutputs),
+    ) -> Result<Self, RenderError> {
+        let gi = Gi::extended(scene, view, size, settings, Screen::Traced, extend)?;
+        let gi = gi.with_seed(seed);
         let mut exec = backend.prepare(Arc::clone(gi.schedule()), None)?;
         gi.upload_scene(exec.as_mut())?;
         Ok(Self {
@@ -161,8 +180,8 @@ impl Renderer {
         &self.gi
     }
 
-    /// The executable, for profiling and checks.
-    pub fn executable(&mut self) -> &mut dyn Executable {
+    /// The executable, for profiling and checks. It is `'static`, so that `dyn Any` can give a backend's own type back.
+    pub fn executable(&mut self) -> &mut (dyn Executable + 'static) {
         self.exec.as_mut()
     }
 
@@ -228,89 +247,12 @@ impl Renderer {
         Ok(picture)
     }
 
-    fn output<T: bytemuck::Pod>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
+    /// The elements of an output after the last frame: one of
+    /// [`surfel_frame`](gibs_passes::frame::surfel_frame)'s, or of the stages that extend it.
+    ///
+    /// # Errors
+    /// [`BackendError::Refused`] if the frame has no such output, or its elements are of another type.
+    pub fn output<T: Element>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
         read_output(self.exec.as_mut(), name)
     }
-}
-
-/// The elements of an output of a schedule.
-pub(crate) fn read_output<T: bytemuck::Pod>(
-    exec: &mut dyn Executable,
-    name: &str,
-) -> Result<Vec<T>, RenderError> {
-    let Some(resource) = exec.schedule().output(name) else {
-        return Ok(Vec::new());
-    };
-    let bytes = exec.read(resource)?;
-    Ok(bytemuck::pod_collect_to_vec(&bytes))
-}
-
-pub(crate) fn set(
-    picture: &mut Picture,
-    layer: &str,
-    values: impl Iterator<Item = Vec3>,
-) -> Result<(), PictureError> {
-    let mut planes = [const { Vec::new() }; 3];
-    for v in values {
-        for (plane, x) in planes.iter_mut().zip(v.to_array()) {
-            plane.push(x);
-        }
-    }
-    picture.set_rgb(layer, planes)
-}
-
-/// The channels of a truth that do not depend on light.
-pub(crate) fn surface_channels(
-    points: &[SurfacePoint],
-    [width, height]: [u32; 2],
-    view: &View,
-    origin: DVec3,
-) -> Result<Picture, PictureError> {
-    let mut picture = Picture::new(width, height);
-    let seen = |p: &SurfacePoint| surface::is_surface(p);
-    let eye = (view.camera.position - origin).as_vec3();
-    let forward = view.camera.axes()[2].as_vec3();
-    let world = |p: &SurfacePoint| {
-        if seen(p) {
-            (p.position.as_dvec3() + origin).as_vec3()
-        } else {
-            Vec3::ZERO
-        }
-    };
-    let normal = |p: &SurfacePoint| {
-        if seen(p) {
-            octahedral::unpack(p.shading_normal)
-        } else {
-            Vec3::ZERO
-        }
-    };
-    let depth = |p: &SurfacePoint| {
-        if seen(p) {
-            (p.position - eye).dot(forward)
-        } else {
-            0.0
-        }
-    };
-    set(&mut picture, "albedo", points.iter().map(surface::albedo))?;
-    set(&mut picture, "emission", points.iter().map(|p| p.emission))?;
-    let xyz = |f: &dyn Fn(&SurfacePoint) -> Vec3| {
-        let mut planes = [const { Vec::new() }; 3];
-        for p in points {
-            for (plane, x) in planes.iter_mut().zip(f(p).to_array()) {
-                plane.push(x);
-            }
-        }
-        planes
-    };
-    picture.set_xyz("normal", xyz(&normal))?;
-    picture.set_xyz("position", xyz(&world))?;
-    picture.set_scalar("depth.Z", points.iter().map(depth).collect())?;
-    picture.set_scalar(
-        "mask.A",
-        points
-            .iter()
-            .map(|p| f32::from(u8::from(seen(p))))
-            .collect(),
-    )?;
-    Ok(picture)
 }

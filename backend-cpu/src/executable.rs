@@ -137,17 +137,16 @@ impl CpuExecutable {
             let resource = &self.schedule.resources[binding.resource as usize];
             let allocation = &mut self.allocations[resource.home as usize];
             let memory = match (binding.access, &mut allocation.previous) {
-                (Access::Previous, Some(previous)) => previous.bytes_mut(),
-                _ => allocation.current.bytes_mut(),
+                (Access::Previous, Some(previous)) => previous,
+                _ => &mut allocation.current,
             };
-            let memory = &mut memory[..resource.bytes as usize];
             // SAFETY: the memory belongs to this executable, is initialized and aligned to cache lines, is not moved or
             // touched otherwise until the kernels below have returned, and was borrowed mutably here; a resource is
             // bound twice only where no port writes it, and resources that share memory are never bound together.
             let view = unsafe {
                 RawView::new(
-                    memory.as_mut_ptr(),
-                    memory.len(),
+                    memory.start(),
+                    resource.bytes as usize,
                     binding.access,
                     maps.get(i).and_then(Option::as_ref),
                 )

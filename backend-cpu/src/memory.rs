@@ -54,6 +54,11 @@ impl Memory {
         })
     }
 
+    /// Where it begins, for views: unlike a slice's, this pointer stays good when another one is taken.
+    pub fn start(&mut self) -> *mut u8 {
+        self.start.as_ptr()
+    }
+
     pub fn bytes(&self) -> &[u8] {
         // SAFETY: the allocation is zeroed and has `bytes` bytes from `start`, which is less than `align` into it.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.bytes) }

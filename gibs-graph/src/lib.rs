@@ -19,6 +19,7 @@ mod handle;
 mod image_view;
 mod kernel;
 mod kind;
+mod null;
 mod port;
 mod schedule;
 mod shader;
@@ -34,6 +35,7 @@ pub use handle::{Buffer, Image, Previous, State};
 pub use image_view::{ImageStore, ImageView};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
 pub use kind::{Initial, Kind};
+pub use null::NullBackend;
 pub use port::{Access, Port};
 pub use schedule::{
     Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, ImageShape, Output, Resource,
@@ -46,4 +48,4 @@ pub use texel::{
 };
 pub use view::{AtomicView, RawView, ReadView, WriteMap, WriteView};
 
-pub use bytemuck;
+pub use {bytemuck, glam};

@@ -10,4 +10,4 @@ pub use inputs::{
 };
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};
 pub use settings::{SettingError, SettingInfo, Settings};
-pub use surfels::{Screen, SurfelFrame, surfel_frame};
+pub use surfels::{Light, Screen, SurfelFrame, SurfelOutputs, surfel_frame};

@@ -91,7 +91,9 @@ mod tests {
     #[test]
     fn every_projection_is_undone() {
         let (n, f) = (0.1f64, 1000.0f64);
-        let cases: [(&str, fn(f64, f64, f64) -> f64, HostGbuffer); 4] = [
+        /// Depth of a distance with a near and a far plane.
+        type Project = fn(f64, f64, f64) -> f64;
+        let cases: [(&str, Project, HostGbuffer); 4] = [
             (
                 "finite",
                 |d, n, f| f / (f - n) - n * f / (f - n) / d,

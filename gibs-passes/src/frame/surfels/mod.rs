@@ -10,8 +10,8 @@ use super::{SceneInputs, SceneSizes, Settings};
 use crate::data::*;
 use crate::shared::grid::GridLayout;
 use crate::stages::*;
-use gibs_graph::{Buffer, Graph, Initial, State};
-use glam::UVec2;
+use gibs_graph::{Buffer, Graph, Image, Initial, Rgba16Float, State};
+use glam::{UVec2, Vec4};
 
 /// What a surfel frame is made for.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,42 @@ pub enum Screen {
     /// `host_ids`; indirect light goes to the exported image `host_indirect`. The input `host` says how, see
     /// [`HostGbuffer`].
     Imported,
+}
+
+/// What stages that are recorded after the frame may go on with.
+///
+/// All but [`SurfelOutputs::gathered`] is read by the host or an input, so a stage may read it and not write it:
+/// [`Graph::compile`] refuses an output that is not the last version.
+#[derive(Debug)]
+pub struct SurfelOutputs {
+    /// What the host writes: camera, frame, geometry, and `pixels`, the size of a dispatch with an invocation per pixel.
+    pub scene: SceneInputs,
+    /// The surface that each pixel sees, row by row from the top left; `points` among the outputs of a frame with
+    /// [`Screen::Traced`].
+    pub points: Buffer<SurfacePoint>,
+    /// What surfels say about each pixel's indirect irradiance, W/m^2; no output.
+    pub gathered: Buffer<Gathered>,
+    /// Where the light went.
+    pub light: Light,
+}
+
+/// Where the light of a frame went; depends on its [`Screen`].
+#[derive(Debug)]
+pub enum Light {
+    /// Of [`Screen::Traced`]: one element per pixel, outputs of the same names.
+    Traced {
+        /// Irradiance from the sun and the lights, W/m^2; zero in a scene without.
+        direct: Buffer<Vec4>,
+        /// Indirect irradiance, W/m^2; in the last component, the summed weight of the surfels.
+        irradiance: Buffer<Vec4>,
+        /// The picture: radiance, W/(m^2 sr); in the last component, 1 on surfaces and 0 in the sky.
+        color: Buffer<Vec4>,
+    },
+    /// Of [`Screen::Imported`]: the image `host_indirect`.
+    Imported {
+        /// Indirect light.
+        indirect: Image<Rgba16Float>,
+    },
 }
 
 /// The surfels: one handle per field, so that unrelated stages stay independent.
@@ -103,8 +139,9 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
-/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`.
-pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
+/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`. Gives what further stages may go on
+/// with.
+pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> SurfelOutputs {
     let settings = &frame.settings;
     let scene = SceneInputs::declare(g, sizes);
     let device_settings: Buffer<SurfelSettings> = g.input("settings", 1);
@@ -155,7 +192,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
         &slots.free,
     );
 
-    screen::apply(
+    let lit = screen::apply(
         g,
         &scene,
         frame,
@@ -181,6 +218,12 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) {
     surfels.keep(g, states);
     g.keep(counters.0, counters_last);
     g.keep(free_slots.0, slots.free);
+    SurfelOutputs {
+        scene,
+        points: lit.points,
+        gathered: lit.gathered,
+        light: lit.light,
+    }
 }
 
 /// Light at points that the host asks for: the stages of the group `query`, which can also run between frames, since

@@ -1,5 +1,5 @@
 //! The surfaces that are seen, and their light: the ends of the frame.
-use super::{Grid, Screen, SurfelFrame, Surfels, gather};
+use super::{Grid, Light, Screen, SurfelFrame, Surfels, gather};
 use crate::data::*;
 use crate::frame::SceneInputs;
 use crate::frame::trace::{Batch, direct_light, gbuffer};
@@ -16,6 +16,13 @@ pub(super) struct Seen {
 enum By {
     Rays(Buffer<Ray>),
     Host(Buffer<HostGbuffer>),
+}
+
+/// What is seen, lit.
+pub(super) struct Lit {
+    pub points: Buffer<SurfacePoint>,
+    pub gathered: Buffer<Gathered>,
+    pub light: Light,
 }
 
 fn pixels(frame: &SurfelFrame) -> u64 {
@@ -80,9 +87,9 @@ pub(super) fn apply(
     surfels: &Surfels,
     seen: Seen,
     per_point: u32,
-) {
+) -> Lit {
     let pixel_batch = batch(scene, frame);
-    let points = &seen.points;
+    let Seen { points, by } = seen;
     let gathered = gather(
         g,
         "apply/lighting_apply",
@@ -91,10 +98,10 @@ pub(super) fn apply(
         settings,
         surfels,
         &pixel_batch,
-        points,
+        &points,
         "apply_gathered",
     );
-    let rays = match seen.by {
+    let rays = match by {
         By::Rays(rays) => rays,
         By::Host(host) => {
             let indirect = g.export_image::<Rgba16Float>("host_indirect", frame.size);
@@ -103,17 +110,24 @@ pub(super) fn apply(
                 export_indirect::Inputs {
                     camera: &scene.camera,
                     host: &host,
-                    points,
+                    points: &points,
                     gathered: &gathered,
                     indirect,
                 },
                 tiles(frame, export_indirect::TILE),
             );
             g.output_image("host_indirect", &exported.indirect);
-            return;
+            let light = Light::Imported {
+                indirect: exported.indirect,
+            };
+            return Lit {
+                points,
+                gathered,
+                light,
+            };
         }
     };
-    let direct = direct_light(g, "apply", "", scene, per_point, &pixel_batch, points);
+    let direct = direct_light(g, "apply", "", scene, per_point, &pixel_batch, &points);
     let irradiance = g.transient("irradiance", pixels(frame));
     let color = g.transient("color", pixels(frame));
     let composed = g.add::<compose::Compose>(
@@ -122,7 +136,7 @@ pub(super) fn apply(
             batch: &scene.pixels,
             frame: &scene.frame,
             rays: &rays,
-            points,
+            points: &points,
             direct: &direct,
             gathered: &gathered,
             environment: &scene.environment,
@@ -131,8 +145,17 @@ pub(super) fn apply(
         },
         pixel_batch.dispatch(),
     );
-    g.output("points", points);
+    g.output("points", &points);
     g.output("direct", &direct);
     g.output("irradiance", &composed.irradiance);
     g.output("color", &composed.color);
+    Lit {
+        points,
+        gathered,
+        light: Light::Traced {
+            direct,
+            irradiance: composed.irradiance,
+            color: composed.color,
+        },
+    }
 }

@@ -1,0 +1,298 @@
+//! A backend of one's own, from what `gibs-graph` has: the CPU kernels, one workgroup after the other on one thread.
+//!
+//! ```sh
+//! cargo run --release --example custom_backend
+//! ```
+//!
+//! It counts how often each resource is read and written, refuses a step that reads a transient which nothing has
+//! written in this frame, and fills transients with garbage before each frame, so that nothing can live on what a frame
+//! before left. Renders the Cornell box, and exits with 1 unless every output equals that of `CpuBackend` to the bit.
+//! `docs/extending.md` has the list of what a backend promises; the comments here name its points.
+use gibs::graph::bytemuck::{self, Pod, Zeroable};
+use gibs::graph::{
+    Access, Action, Backend, BackendError, DeviceInfo, DispatchArgs, DispatchSize, DispatchStep,
+    Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, StepTime, Workgroup,
+    check_range,
+};
+use gibs::passes::frame::Settings;
+use gibs::{Renderer, builtin};
+use std::any::Any;
+use std::error::Error;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+const NAME: &str = "counting";
+const SIZE: [u32; 2] = [48, 48];
+const FRAMES: u32 = 8;
+
+/// A cache line: what views want their memory aligned to.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[bytemuck(crate = "gibs::graph::bytemuck")]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// Memory of one resource. Each has its own: sharing, which `Resource::home` offers, saves memory and is no duty.
+struct Slot {
+    now: Vec<Line>,
+    /// Of a history, the value of the frame before.
+    before: Option<Vec<Line>>,
+    /// Holds a value in this frame.
+    written: bool,
+    reads: u64,
+    writes: u64,
+}
+
+impl Slot {
+    fn new(resource: &Resource) -> Result<Self, BackendError> {
+        let now = filled(resource)?;
+        let history = matches!(resource.kind, Kind::History(_));
+        Ok(Self {
+            before: history.then(|| now.clone()),
+            now,
+            written: resource.kind.persists(),
+            reads: 0,
+            writes: 0,
+        })
+    }
+}
+
+/// What a resource holds before the first frame and after a reset.
+fn filled(resource: &Resource) -> Result<Vec<Line>, BackendError> {
+    let oom = || BackendError::OutOfMemory {
+        device: NAME.into(),
+        resource: resource.key.clone(),
+        bytes: resource.bytes,
+    };
+    let bytes = usize::try_from(resource.bytes).map_err(|_| oom())?;
+    let mut lines = Vec::new();
+    let count = bytes.div_ceil(64);
+    lines.try_reserve_exact(count).map_err(|_| oom())?;
+    lines.resize(count, Line::zeroed());
+    if let Kind::State(initial) | Kind::History(initial) = &resource.kind {
+        bytes_of(&mut lines, resource).copy_from_slice(&initial.bytes(bytes));
+    }
+    Ok(lines)
+}
+
+fn bytes_of<'a>(lines: &'a mut [Line], resource: &Resource) -> &'a mut [u8] {
+    &mut bytemuck::cast_slice_mut(lines)[..resource.bytes as usize]
+}
+
+struct Counting(DeviceInfo);
+
+impl Backend for Counting {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn device(&self) -> &DeviceInfo {
+        &self.0
+    }
+
+    fn prepare(
+        &self,
+        schedule: Arc<Schedule>,
+        adopt: Option<Box<dyn Executable>>,
+    ) -> Result<Box<dyn Executable>, BackendError> {
+        let slots = schedule.resources.iter().map(Slot::new);
+        let mut slots = slots.collect::<Result<Vec<_>, _>>()?;
+        if let Some(old) = adopt {
+            // An executable of another backend is an error, never a guess.
+            let foreign = |_| BackendError::ForeignExecutable {
+                backend: NAME.into(),
+            };
+            let mut old = old.into_any().downcast::<Run>().map_err(foreign)?;
+            for (from, to) in schedule.adoptions(&old.schedule) {
+                std::mem::swap(&mut slots[to as usize], &mut old.slots[from as usize]);
+            }
+        }
+        Ok(Box::new(Run { schedule, slots }))
+    }
+}
+
+struct Run {
+    schedule: Arc<Schedule>,
+    slots: Vec<Slot>,
+}
+
+impl Run {
+    fn step(&mut self, index: usize) -> Result<(), BackendError> {
+        let schedule = Arc::clone(&self.schedule);
+        let step = &schedule.steps[index];
+        for (id, access) in step.touches() {
+            let slot = &mut self.slots[id as usize];
+            if access.reads() && access != Access::Previous && !slot.written {
+                let key = &schedule.resources[id as usize].key;
+                let message = format!("reads `{key}`, which nothing has written in this frame");
+                return Err(kernel_error(&step.label, message));
+            }
+            slot.reads += u64::from(access.reads());
+            slot.writes += u64::from(access.writes());
+            slot.written |= access.writes();
+        }
+        match &step.action {
+            Action::Clear(id) => {
+                self.slots[*id as usize].now.fill(Line::zeroed());
+                Ok(())
+            }
+            Action::Dispatch(dispatch) => self.dispatch(&step.label, dispatch),
+        }
+    }
+
+    fn dispatch(&mut self, label: &str, dispatch: &DispatchStep) -> Result<(), BackendError> {
+        let count = match dispatch.size {
+            DispatchSize::Groups(groups) => groups,
+            DispatchSize::Indirect(id) => {
+                let bytes: &[u8] = bytemuck::cast_slice(&self.slots[id as usize].now);
+                let args: DispatchArgs = bytemuck::pod_read_unaligned(&bytes[..16]);
+                [args.x, args.y, args.z]
+            }
+        };
+        // Sizes that a kernel made are input like any other: refused, not believed.
+        if count.iter().any(|&n| n > MAX_GROUPS) {
+            return Err(kernel_error(
+                label,
+                format!("asks for {count:?} workgroups"),
+            ));
+        }
+        let mut views = Vec::with_capacity(dispatch.bindings.len());
+        for binding in &dispatch.bindings {
+            let resource = &self.schedule.resources[binding.resource as usize];
+            let slot = &mut self.slots[binding.resource as usize];
+            let lines = match (binding.access, &mut slot.before) {
+                (Access::Previous, Some(before)) => before,
+                _ => &mut slot.now,
+            };
+            let (start, bytes) = (lines.as_mut_ptr().cast(), resource.bytes as usize);
+            // SAFETY: the memory is initialized, aligned to a `Line`, long enough and writable. It lives in `self.slots`,
+            // which nothing moves or touches until the last use of `views` below. Two bindings are of one allocation only
+            // where neither writes it: compiling refuses the rest, and a history's two allocations are apart.
+            let view = unsafe { RawView::new(start, bytes, binding.access, None) };
+            views.push(
+                resource
+                    .image
+                    .map_or(view, |image| view.with_size(image.size)),
+            );
+        }
+        let size = dispatch.kernel.workgroup;
+        let [x, y, z] = count.map(u64::from);
+        for i in 0..x * y * z {
+            let id = [i % x, i / x % y, i / x / y].map(|n| n as u32);
+            (dispatch.kernel.cpu)(&views, Workgroup { id, count, size });
+        }
+        Ok(())
+    }
+}
+
+fn kernel_error(stage: &str, message: String) -> BackendError {
+    BackendError::Kernel {
+        stage: stage.into(),
+        message,
+    }
+}
+
+impl Executable for Run {
+    fn schedule(&self) -> &Arc<Schedule> {
+        &self.schedule
+    }
+
+    fn upload(&mut self, id: ResourceId, offset: u64, bytes: &[u8]) -> Result<(), BackendError> {
+        check_range(&self.schedule, id, offset, bytes.len())?;
+        let resource = &self.schedule.resources[id as usize];
+        let memory = bytes_of(&mut self.slots[id as usize].now, resource);
+        memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
+
+    fn run(&mut self) -> Result<(), BackendError> {
+        for (slot, resource) in self.slots.iter_mut().zip(&self.schedule.resources) {
+            // A history's new value starts undefined, and so does what lives for a frame; images are the host's.
+            if let Some(before) = &mut slot.before {
+                std::mem::swap(&mut slot.now, before);
+                slot.written = false;
+            } else if !resource.kind.persists() && resource.image.is_none() {
+                slot.written = false;
+                slot.now.fill(Line([0xcd; 64]));
+            }
+        }
+        (0..self.schedule.steps.len()).try_for_each(|i| self.step(i))
+    }
+
+    fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
+        if step >= self.schedule.steps.len() {
+            let name = self.schedule.name.clone();
+            return Err(kernel_error(&name, format!("there is no step {step}")));
+        }
+        self.step(step)
+    }
+
+    fn read(&mut self, id: ResourceId) -> Result<Vec<u8>, BackendError> {
+        check_range(&self.schedule, id, 0, 0)?;
+        let resource = &self.schedule.resources[id as usize];
+        Ok(bytes_of(&mut self.slots[id as usize].now, resource).to_vec())
+    }
+
+    fn reset(&mut self) -> Result<(), BackendError> {
+        for (slot, resource) in self.slots.iter_mut().zip(&self.schedule.resources) {
+            if let Kind::State(_) | Kind::History(_) = resource.kind {
+                *slot = Slot::new(resource)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn wait(&mut self) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn measure(&mut self, _: bool) {}
+
+    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
+        Ok(None)
+    }
+
+    fn into_any(self: Box<Self>) -> Box<dyn Any> {
+        self
+    }
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let cpu = gibs_backend_cpu::CpuBackend::new(Default::default())?;
+    let counting = Counting(DeviceInfo {
+        driver: "custom_backend, one thread".into(),
+        timestamps: false,
+        ..cpu.device().clone()
+    });
+    let (scene, view) = builtin::by_name("cornell").ok_or("no such scene")?;
+    let settings = Settings {
+        surfels: 2048,
+        rays: 2000,
+        ..Settings::default()
+    };
+    let new = |backend: &dyn Backend| Renderer::new(backend, &scene, &view, SIZE, &settings, 0);
+    let (mut ours, mut theirs) = (new(&counting)?, new(&cpu)?);
+    for _ in 0..FRAMES {
+        ours.frame()?;
+        theirs.frame()?;
+    }
+    let schedule = Arc::clone(ours.gi().schedule());
+    let mut equal = true;
+    for output in &schedule.outputs {
+        let same = ours.executable().read(output.resource)?
+            == theirs.executable().read(output.resource)?;
+        let verdict = if same { "equal to the bit" } else { "DIFFERS" };
+        println!("{}: {verdict}", output.name);
+        equal &= same;
+    }
+    let executable: &dyn Any = ours.executable();
+    let run = executable.downcast_ref::<Run>().ok_or("not our own")?;
+    let mut counted: Vec<_> = schedule.resources.iter().zip(&run.slots).collect();
+    counted.sort_by_key(|(_, slot)| std::cmp::Reverse(slot.reads + slot.writes));
+    for (resource, slot) in counted.iter().take(8) {
+        println!(
+            "{:>5} reads, {:>3} writes of {}",
+            slot.reads, slot.writes, resource.key
+        );
+    }
+    Ok(ExitCode::from(u8::from(!equal)))
+}

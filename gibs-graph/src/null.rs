@@ -1,0 +1,249 @@
+//! A backend without a device.
+use crate::{
+    Access, Action, Backend, BackendError, DeviceInfo, DispatchStep, Executable, Kind, Resource,
+    ResourceId, Schedule, StepTime, check_range,
+};
+use std::any::Any;
+use std::sync::Arc;
+
+const NAME: &str = "null";
+
+/// Runs no kernel, and keeps the rest of a backend's promises: for tests of what is built on graphs, where neither a
+/// device nor the light matters.
+///
+/// Uploads, reads, adoption, resets, the rotation of histories and clears are those of any backend. What only a kernel
+/// would write keeps what was uploaded into it, or else is zero. Memory is taken when a resource is first touched, so
+/// that a schedule of any size is prepared at once.
+///
+/// ```
+/// use gibs_graph::{Backend, Graph, NullBackend};
+///
+/// let mut g = Graph::new("example");
+/// let numbers = g.input::<u32>("numbers", 2);
+/// g.output("numbers", &numbers);
+/// let schedule = g.compile(None).unwrap();
+///
+/// let mut exec = NullBackend::new().prepare(schedule.into(), None).unwrap();
+/// exec.upload(0, 4, &7_u32.to_ne_bytes()).unwrap();
+/// exec.run().unwrap();
+/// assert_eq!(exec.read(0).unwrap(), [0, 7_u32].map(u32::to_ne_bytes).concat());
+/// assert!(exec.upload(0, 8, &[1]).is_err());
+/// ```
+#[derive(Clone, Debug)]
+pub struct NullBackend {
+    device: DeviceInfo,
+}
+
+impl NullBackend {
+    /// A backend without limits.
+    pub fn new() -> Self {
+        Self::with_limits(u64::MAX, u32::MAX)
+    }
+
+    /// A backend that refuses what a device with these limits would: [`DeviceInfo::max_binding`], in bytes, and
+    /// [`DeviceInfo::max_storage_buffers`].
+    pub fn with_limits(max_binding: u64, max_storage_buffers: u32) -> Self {
+        Self {
+            device: DeviceInfo {
+                name: NAME.into(),
+                driver: format!("gibs {}", env!("CARGO_PKG_VERSION")),
+                kind: "software".into(),
+                timestamps: false,
+                ray_query: false,
+                max_binding,
+                max_storage_buffers,
+                notes: Vec::new(),
+            },
+        }
+    }
+
+    fn check(&self, schedule: &Schedule) -> Result<(), BackendError> {
+        let allow = |need: u64, limit: u64, what: &dyn Fn() -> String| {
+            if need <= limit {
+                return Ok(());
+            }
+            Err(BackendError::Limit {
+                what: what(),
+                need,
+                limit,
+                device: NAME.into(),
+                remedy: "raise the limits that were given to NullBackend, or need less".into(),
+            })
+        };
+        for resource in schedule.resources.iter().filter(|r| r.usage.storage) {
+            let what = || format!("the storage binding of `{}`, in bytes,", resource.key);
+            allow(resource.bytes, self.device.max_binding, &what)?;
+        }
+        for (_, step, dispatch) in schedule.dispatches() {
+            let what = || format!("stage `{}`, in storage buffers,", step.label);
+            let limit = self.device.max_storage_buffers.into();
+            allow(storage_buffers(dispatch), limit, &what)?;
+        }
+        Ok(())
+    }
+}
+
+impl Default for NullBackend {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn storage_buffers(dispatch: &DispatchStep) -> u64 {
+    let storage =
+        |access: Access| access.is_bound() && !access.is_image() && access != Access::Uniform;
+    let bindings = dispatch.bindings.iter();
+    bindings.filter(|b| storage(b.access)).count() as u64
+}
+
+impl Backend for NullBackend {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn device(&self) -> &DeviceInfo {
+        &self.device
+    }
+
+    fn prepare(
+        &self,
+        schedule: Arc<Schedule>,
+        adopt: Option<Box<dyn Executable>>,
+    ) -> Result<Box<dyn Executable>, BackendError> {
+        let old = adopt.map(|old| old.into_any().downcast::<NullExecutable>());
+        let old = old
+            .transpose()
+            .map_err(|_| BackendError::ForeignExecutable {
+                backend: NAME.into(),
+            })?;
+        self.check(&schedule)?;
+        let mut contents: Vec<Content> = Vec::new();
+        contents.resize_with(schedule.resources.len(), Content::default);
+        if let Some(mut old) = old {
+            for (from, to) in schedule.adoptions(&old.schedule) {
+                contents[to as usize] = std::mem::take(&mut old.contents[from as usize]);
+            }
+        }
+        Ok(Box::new(NullExecutable { schedule, contents }))
+    }
+}
+
+/// Bytes of a resource; `None` as long as they are what it starts with.
+#[derive(Debug, Default)]
+struct Content {
+    current: Option<Vec<u8>>,
+    /// Of a history.
+    previous: Option<Vec<u8>>,
+}
+
+#[derive(Debug)]
+struct NullExecutable {
+    schedule: Arc<Schedule>,
+    contents: Vec<Content>,
+}
+
+/// What a resource starts with.
+fn first(resource: &Resource) -> Result<Vec<u8>, BackendError> {
+    let oom = || BackendError::OutOfMemory {
+        device: NAME.into(),
+        resource: resource.key.clone(),
+        bytes: resource.bytes,
+    };
+    let size = usize::try_from(resource.bytes).map_err(|_| oom())?;
+    let mut bytes = Vec::new();
+    // Asked for first, because a vector that cannot grow ends the process.
+    bytes.try_reserve_exact(size).map_err(|_| oom())?;
+    match &resource.kind {
+        Kind::State(initial) | Kind::History(initial) => bytes = initial.bytes(size),
+        Kind::Input | Kind::Transient | Kind::Zeroed => bytes.resize(size, 0),
+    }
+    Ok(bytes)
+}
+
+impl NullExecutable {
+    fn current(&mut self, id: ResourceId) -> Result<&mut Vec<u8>, BackendError> {
+        let current = &mut self.contents[id as usize].current;
+        match current {
+            Some(bytes) => Ok(bytes),
+            None => Ok(current.insert(first(&self.schedule.resources[id as usize])?)),
+        }
+    }
+
+    fn step(&mut self, step: usize) {
+        if let Action::Clear(id) = self.schedule.steps[step].action {
+            self.contents[id as usize].current = None;
+        }
+    }
+}
+
+impl Executable for NullExecutable {
+    fn schedule(&self) -> &Arc<Schedule> {
+        &self.schedule
+    }
+
+    fn upload(
+        &mut self,
+        resource: ResourceId,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<(), BackendError> {
+        check_range(&self.schedule, resource, offset, bytes.len())?;
+        let memory = self.current(resource)?;
+        memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
+
+    fn run(&mut self) -> Result<(), BackendError> {
+        for (content, resource) in self.contents.iter_mut().zip(&self.schedule.resources) {
+            if let Kind::History(_) = resource.kind {
+                std::mem::swap(&mut content.current, &mut content.previous);
+            }
+        }
+        (0..self.schedule.steps.len()).for_each(|step| self.step(step));
+        Ok(())
+    }
+
+    fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
+        let steps = self.schedule.steps.len();
+        if step >= steps {
+            return Err(BackendError::Kernel {
+                stage: self.schedule.name.clone(),
+                message: format!("there is no step {step}; the schedule has {steps}"),
+            });
+        }
+        self.step(step);
+        Ok(())
+    }
+
+    fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
+        check_range(&self.schedule, resource, 0, 0)?;
+        // Not through `current`: reading takes no memory.
+        match &self.contents[resource as usize].current {
+            Some(bytes) => Ok(bytes.clone()),
+            None => first(&self.schedule.resources[resource as usize]),
+        }
+    }
+
+    fn reset(&mut self) -> Result<(), BackendError> {
+        for (content, resource) in self.contents.iter_mut().zip(&self.schedule.resources) {
+            if let Kind::State(_) | Kind::History(_) = resource.kind {
+                *content = Content::default();
+            }
+        }
+        Ok(())
+    }
+
+    fn wait(&mut self) -> Result<(), BackendError> {
+        Ok(())
+    }
+
+    fn measure(&mut self, _: bool) {}
+
+    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
+        Ok(None)
+    }
+
+    fn into_any(self: Box<Self>) -> Box<dyn Any> {
+        self
+    }
+}
