@@ -9,51 +9,97 @@ use gibs::reference::{ReferenceOptions, reference};
 use gibs::view::View;
 use std::path::{Path, PathBuf};
 
+/// The folder of the truths: `scenes` in what `GIBS_SHARED` names, which must be there then, or else in `../shared`.
 fn scenes() -> Option<PathBuf> {
-    let folder = std::env::var_os("GIBS_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"),
-        PathBuf::from,
+    let named = std::env::var_os("GIBS_SHARED").map(PathBuf::from);
+    let folder = named
+        .clone()
+        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"));
+    let found = Some(folder.join("scenes")).filter(|f| f.is_dir());
+    assert!(
+        found.is_some() || named.is_none(),
+        "GIBS_SHARED names {}, which has no folder `scenes`",
+        folder.display()
     );
-    Some(folder.join("scenes")).filter(|f| f.is_dir())
+    found
 }
 
-/// Block error within 2 % plus the truth's own noise, bias within 1 %, as far as 192 samples per pixel show it: their
-/// own block noise, 0.9 % on this view, adds in squares.
-#[test]
-fn the_reference_agrees_on_the_cornell_box() {
+/// Block error within 2 % plus the noise of the truth and our own, bias within 1 %. Both noises are those of two
+/// halves: the truth comes with its own, ours are two runs with `samples` per pixel, whose mean is compared. At so few
+/// samples our own noise makes the bound on blocks a wide one, and the bias is what bites; `docs/accuracy.md` has the
+/// block errors at 1500 samples, which take hours on all views.
+fn agrees(scene: &str, samples: u32, views: &[&str]) {
     let Some(scenes) = scenes() else {
         eprintln!("not run: there are no truths beside the project");
         return;
     };
-    let folder = scenes.join("cornell");
-    let imported = gltf_import::load(&folder.join("cornell.gltf")).expect("loads");
+    let folder = scenes.join(scene);
+    let imported = gltf_import::load(&folder.join(format!("{scene}.gltf"))).expect("loads");
     let read = |name: &str| Picture::read_exr(&folder.join(name)).expect("reads");
-    for name in ["a", "b"] {
+    let options = CompareOptions::default();
+    for name in views {
         let view = View::load(folder.join(format!("view-{name}.json"))).expect("loads");
-        let options = ReferenceOptions {
-            size: view.resolution,
-            samples: 192,
-            seed: 5,
+        let half = |seed| {
+            let options = ReferenceOptions {
+                size: view.resolution,
+                samples,
+                seed,
+            };
+            reference(cpu().as_ref(), &imported.scene, &view, &options, |_, _| {})
+                .expect("renders")
+                .0
         };
-        let (picture, _) = reference(cpu().as_ref(), &imported.scene, &view, &options, |_, _| {})
-            .expect("renders");
+        let (one, other) = (half(5), half(6));
+        let mut both = one.clone();
+        let planes = |p: &Picture| {
+            p.rgb(&options.layer)
+                .expect("the layer")
+                .map(<[f32]>::to_vec)
+        };
+        let (a, b) = (planes(&one), planes(&other));
+        let mean = [0, 1, 2].map(|c| {
+            let pairs = a[c].iter().zip(&b[c]);
+            pairs.map(|(x, y)| 0.5 * (x + y)).collect::<Vec<f32>>()
+        });
+        both.set_rgb(&options.layer, mean).expect("as before");
+
         let truth = read(&format!("truth-{name}.exr"));
         let halves = [
             read(&format!("truth-{name}-halfA.exr")),
             read(&format!("truth-{name}-halfB.exr")),
         ];
-        let noise = noise_floor(&halves[0], &halves[1], &truth, &CompareOptions::default())
-            .expect("comparable");
-        let report = compare(&picture, &truth, &CompareOptions::default()).expect("comparable");
+        let noise = noise_floor(&halves[0], &halves[1], &truth, &options).expect("comparable");
+        let own = noise_floor(&one, &other, &both, &options).expect("comparable");
+        let report = compare(&both, &truth, &options).expect("comparable");
         let (block, bias) = (report.metrics.block_error, report.metrics.bias);
         println!(
-            "cornell {name}: block error {block:.4} (noise {:.4}), bias {bias:.5}",
-            noise.block_error
+            "{scene} {name}: block error {block:.4} (noise {:.4}, own {:.4}), bias {bias:.5}",
+            noise.block_error, own.block_error
         );
         assert!(
-            block <= 0.02 + noise.block_error,
-            "cornell {name}: block error {block}"
+            block <= 0.02 + noise.block_error + own.block_error,
+            "{scene} {name}: block error {block}"
         );
-        assert!(bias.abs() <= 0.01, "cornell {name}: bias {bias}");
+        assert!(bias.abs() <= 0.01, "{scene} {name}: bias {bias}");
     }
+}
+
+#[test]
+fn the_reference_agrees_on_the_cornell_box() {
+    agrees("cornell", 96, &["a", "b"]);
+}
+
+#[test]
+fn the_reference_agrees_on_sponza() {
+    agrees("sponza", 64, &["a", "b"]);
+}
+
+#[test]
+fn the_reference_agrees_on_sponza_lit_by_emissive_boxes() {
+    agrees("sponza-emissive", 128, &["a", "b"]);
+}
+
+#[test]
+fn the_reference_agrees_on_skinned_characters() {
+    agrees("skinned-room", 128, &["a", "b"]);
 }
