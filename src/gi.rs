@@ -5,8 +5,8 @@ use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, pixel_angle,
-    surfel_frame, upload, upload_frame, upload_scene,
+    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
+    pixel_angle, surfel_frame, upload, upload_frame, upload_scene,
 };
 use gibs_passes::scene::{Camera, Scene};
 use gibs_passes::shared::grid::GridLayout;
@@ -72,6 +72,7 @@ pub struct Gi {
     scene: DeviceScene,
     schedule: Arc<Schedule>,
     settings: Settings,
+    screen: Screen,
     size: [u32; 2],
     seed: u32,
     frame: u32,
@@ -124,6 +125,7 @@ impl Gi {
             schedule: Arc::new(compile(g)?),
             scene,
             settings: settings.clone(),
+            screen,
             size,
             seed: 0,
             frame: 0,
@@ -134,6 +136,20 @@ impl Gi {
     /// The same with another seed of its random numbers; 0 unless set.
     pub fn with_seed(self, seed: u32) -> Self {
         Self { seed, ..self }
+    }
+
+    /// What the scene and the settings need of the frame, and what each need adds to it.
+    ///
+    /// # Errors
+    /// [`RenderError::Graph`].
+    pub fn needs(&self) -> Result<Vec<Need>, RenderError> {
+        let frame = SurfelFrame {
+            size: self.size,
+            grid: self.grid,
+            settings: self.settings.clone(),
+            screen: self.screen,
+        };
+        Ok(needs(&frame, &SceneSizes::of(&self.scene))?)
     }
 
     /// What a backend prepares.

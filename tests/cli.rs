@@ -343,6 +343,40 @@ fn the_frame_is_shown_in_every_format() {
     assert!(text.contains("continue_paths") && !without.contains("continue_paths"));
 }
 
+/// The Cornell box has no light but its lamp's surface; the atrium has the sun. What is needed is in the frame, what is
+/// left out is not.
+#[test]
+fn why_says_what_the_scene_needs() {
+    for (scene, light) in [("cornell", "left out"), ("atrium", "needed")] {
+        let why = succeed(&["graph", scene, "--why"]);
+        let frame = succeed(&["graph", scene]);
+        assert!(
+            why.contains(&format!("{light}: direct light, because of")),
+            "{why}"
+        );
+        assert!(why.contains("left out: irradiance at points, because of the setting queries = 0"));
+        let mut present = None;
+        let mut stages = 0;
+        for line in why.lines() {
+            if let Some(stage) = line.strip_prefix("    ") {
+                let there = frame
+                    .lines()
+                    .any(|step| step.split_whitespace().any(|word| word == stage));
+                assert_eq!(Some(there), present, "{scene}: {stage}");
+                stages += 1;
+            } else if !line.starts_with(' ') {
+                present = Some(line.starts_with("needed"));
+            }
+        }
+        assert!(stages > 40, "{scene}: {stages} stages");
+        let without = succeed(&["graph", scene, "--why", "--without", "continuation"]);
+        assert!(
+            without.contains("left out: paths beyond a hit"),
+            "{without}"
+        );
+    }
+}
+
 #[test]
 fn a_render_writes_its_channels_a_preview_and_a_summary() {
     let folder = Folder::new("render");

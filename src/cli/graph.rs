@@ -3,7 +3,8 @@ use super::CommandError;
 use super::output::{print, say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::gi::Gi;
-use gibs_passes::frame::Screen;
+use gibs_passes::frame::{Need, Screen};
+use std::fmt::Write;
 
 /// Show the stages that a scene's frame consists of
 #[derive(Clone, Debug, clap::Args)]
@@ -15,6 +16,9 @@ pub struct Args {
     /// dot, json or text
     #[arg(long, default_value = "text", value_parser = ["dot", "json", "text"])]
     format: String,
+    /// Say what the scene and the settings need, and what that adds or saves
+    #[arg(long, conflicts_with = "format")]
+    why: bool,
 }
 
 /// Runs the command.
@@ -31,6 +35,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     for warning in &gi.scene().warnings {
         warning!("{warning}");
     }
+    if args.why {
+        return Ok(print(&why(&gi.needs()?))?);
+    }
     let schedule = gi.schedule();
     match args.format.as_str() {
         "dot" => print(&schedule.to_dot())?,
@@ -38,4 +45,24 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         _ => print(&schedule.to_text())?,
     }
     Ok(())
+}
+
+/// Needs as text, those that are there first.
+fn why(needs: &[Need]) -> String {
+    let mut text = String::new();
+    for (present, title) in [(true, "needed"), (false, "left out")] {
+        for need in needs.iter().filter(|need| need.present == present) {
+            let megabytes = need.bytes as f64 / 1e6;
+            let count = need.stages.len();
+            let _ = writeln!(
+                text,
+                "{title}: {}, because of {}\n  {count} stages, {megabytes:.1} MB",
+                need.name, need.reason
+            );
+            for stage in &need.stages {
+                let _ = writeln!(text, "    {stage}");
+            }
+        }
+    }
+    text
 }

@@ -43,6 +43,11 @@ impl SceneSizes {
         }
     }
 
+    /// The same with another number of lights.
+    pub fn with_lights(self, lights: u64) -> Self {
+        Self { lights, ..self }
+    }
+
     /// Number of lights.
     pub fn lights(&self) -> u64 {
         self.lights

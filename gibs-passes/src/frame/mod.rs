@@ -1,5 +1,6 @@
 //! The frames: stages wired into graphs.
 mod inputs;
+mod needs;
 mod reference;
 mod settings;
 mod surfels;
@@ -8,6 +9,7 @@ mod trace;
 pub use inputs::{
     FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload, upload_frame, upload_scene,
 };
+pub use needs::{Need, needs};
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};
 pub use settings::{SettingError, SettingInfo, Settings};
 pub use surfels::{Light, Screen, SurfelFrame, SurfelOutputs, surfel_frame};
