@@ -167,6 +167,11 @@ impl Gi {
         &self.scene
     }
 
+    /// Frames begun so far, wrapping.
+    pub fn frames(&self) -> u32 {
+        self.frame
+    }
+
     /// Width and height of the picture.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -181,16 +186,24 @@ impl Gi {
     }
 
     /// Writes what changes every frame: call it once before each frame is run or recorded. `host` says how to read an
-    /// imported G-buffer.
+    /// imported G-buffer; it is there if and only if the frame is [`Screen::Imported`].
     ///
     /// # Errors
-    /// [`RenderError::Backend`].
+    /// [`RenderError::Host`], [`RenderError::Backend`].
     pub fn begin_frame(
         &mut self,
         exec: &mut dyn Executable,
         camera: &Camera,
         host: Option<&HostGbuffer>,
     ) -> Result<(), RenderError> {
+        if host.is_some() != (self.screen == Screen::Imported) {
+            return Err(RenderError::Host {
+                problem: match host {
+                    Some(_) => "a G-buffer was described, but the frame traces its surfaces",
+                    None => "the frame imports a G-buffer, and nothing says how to read it",
+                },
+            });
+        }
         let update = FrameUpdate {
             camera,
             size: self.size,

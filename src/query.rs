@@ -3,6 +3,7 @@ use crate::channels::read_output;
 use crate::gi::Gi;
 use crate::renderer::RenderError;
 use gibs_graph::Executable;
+use gibs_passes::accel::MAX_COORDINATE;
 use gibs_passes::data::{Gathered, SurfacePoint};
 use gibs_passes::frame::upload;
 use gibs_passes::shared::{batch, octahedral, surface};
@@ -33,6 +34,20 @@ pub(crate) fn irradiance(
     if points.len() != normals.len() {
         return Err(refuse("give a normal for each point"));
     }
+    let usable = |p: &DVec3| p.is_finite() && p.abs().max_element() <= f64::from(MAX_COORDINATE);
+    if let Some(i) = points.iter().position(|p| !usable(p)) {
+        return Err(refuse(&format!(
+            "point {i} is {}; give finite coordinates of at most {MAX_COORDINATE:e}",
+            points[i]
+        )));
+    }
+    let unit = |n: &Vec3| n.is_finite() && n.length_squared() > 0.0;
+    if let Some(i) = normals.iter().position(|n| !unit(n)) {
+        return Err(refuse(&format!(
+            "normal {i} is {}; give a finite one that has a length",
+            normals[i]
+        )));
+    }
     let schedule = exec.schedule().clone();
     let room = schedule
         .resource("query_points")
@@ -47,6 +62,25 @@ pub(crate) fn irradiance(
         .filter(|(_, step, _)| step.group() == "query")
         .map(|(i, ..)| i)
         .collect();
+    if gi.frames() == 0 && !points.is_empty() {
+        return Err(refuse("no frame has run yet; run one first"));
+    }
+    let answers = ask(exec, gi, &steps, room, points, normals);
+    // The next frame asks nothing, whatever became of these.
+    let emptied = upload(exec, "query_batch", &[batch::args(0)]);
+    let answers = answers?;
+    emptied?;
+    Ok(answers)
+}
+
+fn ask(
+    exec: &mut dyn Executable,
+    gi: &Gi,
+    steps: &[usize],
+    room: usize,
+    points: &[DVec3],
+    normals: &[Vec3],
+) -> Result<Vec<Irradiance>, RenderError> {
     let mut answers = Vec::with_capacity(points.len());
     for (points, normals) in points.chunks(room).zip(normals.chunks(room)) {
         let asked: Vec<SurfacePoint> = points
@@ -56,11 +90,11 @@ pub(crate) fn irradiance(
             .collect();
         upload(exec, "query_points", &asked)?;
         upload(exec, "query_batch", &[batch::args(asked.len() as u32)])?;
-        for &step in &steps {
+        for &step in steps {
             exec.run_step(step)?;
         }
         let gathered: Vec<Gathered> = read_output(exec, "query_gathered")?;
-        let direct: Vec<Vec4> = match schedule.output("query_direct") {
+        let direct: Vec<Vec4> = match exec.schedule().output("query_direct") {
             Some(_) => read_output(exec, "query_direct")?,
             None => Vec::new(), // a scene without lights
         };
@@ -80,8 +114,6 @@ pub(crate) fn irradiance(
                 }),
         );
     }
-    // The next frame asks nothing.
-    upload(exec, "query_batch", &[batch::args(0)])?;
     Ok(answers)
 }
 

@@ -46,6 +46,12 @@ pub enum RenderError {
         /// Largest side.
         most: u32,
     },
+    /// What is said of an engine's G-buffer does not fit the frame.
+    #[error("{problem}; pass `Some` for Screen::Imported and `None` for Screen::Traced")]
+    Host {
+        /// What is wrong.
+        problem: &'static str,
+    },
     /// Irradiance cannot be asked for like this.
     #[error("irradiance of {points} points with {normals} normals: {problem}")]
     Queries {
@@ -195,7 +201,8 @@ impl Renderer {
     /// answer per point, as many points at a time as the setting `queries` says.
     ///
     /// # Errors
-    /// [`RenderError::Queries`] if the setting is 0 or the numbers of points and normals differ;
+    /// [`RenderError::Queries`] before the first frame, if the setting is 0, if the numbers of points and normals differ,
+    /// or if one of them is not finite;
     /// [`RenderError::Backend`].
     pub fn irradiance(
         &mut self,

@@ -58,6 +58,14 @@ fn draw(points: &[SurfacePoint], eye: Vec3, forward: Vec3, host: &HostGbuffer) -
 
 /// Frames with those images, uploaded; the indirect light after the last.
 fn imported(name: &str, backend: &dyn gibs::graph::Backend, host: &HostGbuffer) -> Vec<Vec4> {
+    imported_with(name, backend, host).0
+}
+
+fn imported_with(
+    name: &str,
+    backend: &dyn gibs::graph::Backend,
+    host: &HostGbuffer,
+) -> (Vec<Vec4>, Images) {
     let (scene, view) = builtin::by_name(name).expect("built in");
     let mut traced =
         Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &settings(RAYS), 0).expect("a renderer");
@@ -86,7 +94,7 @@ fn imported(name: &str, backend: &dyn gibs::graph::Backend, host: &HostGbuffer) 
             .expect("uploaded");
         exec.run().expect("a frame");
     }
-    output(exec.as_mut(), "host_indirect")
+    (output(exec.as_mut(), "host_indirect"), images)
 }
 
 /// Indirect light of the same frames with traced surfaces.
@@ -131,7 +139,8 @@ fn an_imported_gbuffer_gives_the_light_of_a_traced_one() {
     }
 }
 
-/// Light and exposure: radiance is irradiance times albedo over pi, within two roundings to half floats.
+/// Radiance at an exposure is irradiance times albedo over pi times the exposure, within the roundings of both to half
+/// floats, 2^-11 each, and of the albedo to 16 bits.
 #[test]
 fn radiance_is_irradiance_times_albedo_over_pi() {
     let plain = HostGbuffer::perspective(0.1, None, true);
@@ -140,18 +149,58 @@ fn radiance_is_irradiance_times_albedo_over_pi() {
         exposure: 4.0,
         ..plain
     };
-    let e = imported("cornell", cpu().as_ref(), &plain);
+    let (e, images) = imported_with("cornell", cpu().as_ref(), &plain);
     let l = imported("cornell", cpu().as_ref(), &radiance);
     let mut lit = 0;
-    for (e, l) in e.iter().zip(&l).filter(|(e, _)| e.x > 1e-3) {
-        let albedo = l.truncate() / (e.truncate() * 4.0) * std::f32::consts::PI;
+    for ((e, l), albedo) in e.iter().zip(&l).zip(&images.albedo) {
+        let expected = e.truncate() * albedo.truncate() * (4.0 / std::f32::consts::PI);
+        let off = (l.truncate() - expected).abs().max_element();
         assert!(
-            albedo.min_element() > 0.0 && albedo.max_element() < 1.002,
-            "{albedo}"
+            off <= 1.1e-3 * expected.max_element() + 1e-6,
+            "{l} where {expected} is right"
         );
-        lit += 1;
+        lit += u32::from(expected.max_element() > 1e-2);
     }
     assert!(lit > 500);
+}
+
+/// A sun in lux at full exposure leaves the range of half floats; what comes out is the largest of them, not infinity.
+#[test]
+fn too_much_light_stays_finite() {
+    let blinding = HostGbuffer {
+        exposure: 1e30,
+        ..HostGbuffer::perspective(0.1, None, true)
+    };
+    for backend in all_backends() {
+        let got = imported("cornell", backend.as_ref(), &blinding);
+        let largest = got
+            .iter()
+            .map(|p| p.truncate().max_element())
+            .fold(0.0, f32::max);
+        assert_eq!(largest, 65_504.0, "{}", backend.name());
+    }
+}
+
+/// What is said of the G-buffer has to fit the frame.
+#[test]
+fn a_frame_that_imports_nothing_takes_no_description() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    for (screen, host) in [
+        (
+            Screen::Traced,
+            Some(HostGbuffer::perspective(0.1, None, true)),
+        ),
+        (Screen::Imported, None),
+    ] {
+        let mut gi = Gi::new(&scene, &view, SIZE, &settings(100), screen).expect("a frame");
+        let mut exec = cpu()
+            .prepare(gi.schedule().clone(), None)
+            .expect("prepares");
+        let error = gi
+            .begin_frame(exec.as_mut(), &view.camera, host.as_ref())
+            .expect_err("does not fit");
+        assert!(error.to_string().contains("G-buffer"), "{error}");
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn output<T: bytemuck::Pod>(renderer: &mut Renderer, name: &str) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
 }
 
-/// Asked at the points that are seen, the answer is the picture, indirect light to the bit. More points than fit at a
+/// Asked at the points that are seen, the answer is the picture, but for the rounding of packed normals. More points than fit at a
 /// time are asked in turn, and asking changes no later frame.
 #[test]
 fn the_picture_is_what_is_asked_at_its_points() {
@@ -102,6 +102,33 @@ fn asking_without_room_or_normals_is_an_error_that_says_what_to_do() {
         "{error}"
     );
     assert_eq!(renderer(8).irradiance(&[], &[]).expect("nothing"), []);
+    let early = renderer(8).irradiance(&[DVec3::ZERO], &[Vec3::Y]);
+    assert!(
+        early
+            .expect_err("too early")
+            .to_string()
+            .contains("no frame has run yet")
+    );
+    let mut ready = renderer(8);
+    ready.frame().expect("a frame");
+    for bad in [f64::NAN, f64::INFINITY, 1e300] {
+        let error = ready.irradiance(&[DVec3::ZERO, DVec3::splat(bad)], &[Vec3::Y; 2]);
+        assert!(
+            error
+                .expect_err("no place")
+                .to_string()
+                .contains("point 1 is")
+        );
+    }
+    for bad in [Vec3::ZERO, Vec3::NAN] {
+        let error = ready.irradiance(&[DVec3::ZERO], &[bad]);
+        assert!(
+            error
+                .expect_err("no direction")
+                .to_string()
+                .contains("normal 0 is")
+        );
+    }
 }
 
 /// A frame that answers nothing has no stage, buffer or binding for it.

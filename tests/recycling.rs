@@ -69,20 +69,32 @@ fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
         let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0)
             .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
         let mut count = Vec::new();
+        let (mut before, mut gone): (Vec<SurfelPose>, u32) = (Vec::new(), 0);
         for frame in 0..150 {
             renderer.set_camera(on_the_way(&view.camera, frame));
             renderer.frame().expect("a frame");
+            let poses: Vec<SurfelPose> = state(renderer.executable(), "surfel_poses");
+            for (old, new) in before.iter().zip(&poses) {
+                gone += u32::from(old.radius > 0.0 && old.identity != new.identity);
+            }
+            before = poses;
             if frame % 10 == 9 {
                 let place = format!("{}, frame {frame}", backend.name());
                 count.push(check_slots(&mut renderer, &place));
             }
         }
-        println!("{}: live {count:?}", backend.name());
-        counts.push(count);
+        println!("{}: live {count:?}, {gone} gone", backend.name());
+        assert!(
+            gone > 300,
+            "{}: {gone} surfels were recycled",
+            backend.name()
+        );
+        // The surfels at the end, to the bit.
+        counts.push((count, gone, bytemuck::cast_slice::<_, u8>(&before).to_vec()));
     }
     assert!(
         counts.windows(2).all(|pair| pair[0] == pair[1]),
-        "backends differ: {counts:?}"
+        "backends differ"
     );
 }
 

@@ -228,6 +228,21 @@ impl Executable for CpuExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
+        let found = &self.schedule.resources[resource as usize];
+        if let Some(image) = found.image {
+            if bytes.len() as u64 != found.bytes {
+                return Err(BackendError::Refused {
+                    what: format!("writing `{}`", found.key),
+                    reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
+                    remedy: "write the whole image, a value per texel".into(),
+                });
+            }
+            // Rounded as the format has it, as on a device.
+            let values = image.format.decode(&image.format.encode(bytes));
+            let memory = self.home(resource).current.bytes_mut();
+            memory[..values.len()].copy_from_slice(&values);
+            return Ok(());
+        }
         let memory = self.home(resource).current.bytes_mut();
         memory[offset as usize..offset as usize + bytes.len()].copy_from_slice(bytes);
         Ok(())

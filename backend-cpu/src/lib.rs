@@ -57,7 +57,7 @@ impl CpuBackend {
             max_storage_buffers: u32::MAX,
             notes: vec![
                 format!("{} threads", pool.current_num_threads()),
-                simd().into(),
+                simd(options).into(),
             ],
         };
         Ok(Self {
@@ -114,10 +114,19 @@ fn processor_name() -> String {
         .unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
 }
 
-fn simd() -> &'static str {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-        return "8-wide traversal (AVX2)";
+/// Which kernels run. Stages decide by themselves, with the features that go together since 2013.
+fn simd(options: Options) -> &'static str {
+    if options.scalar {
+        return "scalar kernels";
     }
-    "portable traversal"
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2")
+        && std::arch::is_x86_feature_detected!("fma")
+        && std::arch::is_x86_feature_detected!("bmi1")
+        && std::arch::is_x86_feature_detected!("bmi2")
+        && std::arch::is_x86_feature_detected!("lzcnt")
+    {
+        return "8-wide kernels (AVX2)";
+    }
+    "portable kernels"
 }

@@ -2,7 +2,8 @@
 //!
 //! # The rule
 //! Workgroups of a stage run at the same time. Two workgroups never touch the same element of a [`WriteView`] unless
-//! both only read it. The executor's debug mode finds elements that two workgroups write with a [`WriteMap`]; one that
+//! both only read it: a kernel that breaks this is a data race, undefined behaviour that no compiler sees, as two
+//! invocations that write one element are on a device. The executor's debug mode finds elements that two workgroups write with a [`WriteMap`]; one that
 //! reads what another one writes shows as a result that depends on the order. [`AtomicView`] is free of the rule.
 //! A resource is bound at most once per stage when any port writes it (graph compilation checks this), so views of
 //! one stage never overlap.
@@ -72,7 +73,13 @@ impl<'a> RawView<'a> {
     }
 
     fn len_of<T>(&self) -> usize {
-        debug_assert!(self.ptr.addr().is_multiple_of(align_of::<T>()));
+        const {
+            assert!(size_of::<T>() > 0, "an element has bytes");
+            assert!(
+                align_of::<T>() <= 64,
+                "elements are aligned to 64 bytes at most"
+            );
+        }
         self.bytes / size_of::<T>()
     }
 }

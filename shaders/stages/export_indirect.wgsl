@@ -9,6 +9,8 @@ import package::types::{Camera, Gathered, HostGbuffer, SurfacePoint};
 @group(0) @binding(3) var<storage, read> gathered: array<Gathered>;
 @group(0) @binding(4) var indirect: texture_storage_2d<rgba16float, write>;
 
+/// The largest finite 16-bit float.
+const MOST: f32 = 65504.0;
 const FRAC_1_PI: f32 = 0.31830987;
 
 @compute @workgroup_size(8, 8)
@@ -23,7 +25,8 @@ fn main(@builtin(global_invocation_id) at: vec3<u32>) {
         let g = gathered[i];
         let all = g.irradiance + g.average * (1.0 - g.weight);
         let factor = select(vec3<f32>(1.0), surface_albedo(point) * FRAC_1_PI, host.radiance != 0u);
-        value = vec4<f32>(all * factor * host.exposure, g.weight);
+        // Light beyond the largest 16-bit float stays that.
+        value = vec4<f32>(min(all * factor * host.exposure, vec3<f32>(MOST)), g.weight);
     }
     textureStore(indirect, at.xy, half_float_rounded(value));
 }

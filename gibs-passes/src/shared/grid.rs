@@ -53,13 +53,18 @@ impl GridLayout {
 
 #[inline]
 fn index(x: f32, side: u32) -> u32 {
-    ((x * 0.5 + 0.5) * side as f32).clamp(0.0, side as f32 - 1.0) as u32
+    // Not `clamp`, which panics for a grid that nobody has written yet.
+    ((x * 0.5 + 0.5) * side as f32)
+        .max(0.0)
+        .min(side as f32 - 1.0) as u32
 }
 
 /// The slice at a distance along a half-axis.
 #[inline]
 fn slice(m: f32, grid: &GridShape) -> u32 {
-    (log2(m / grid.half) * grid.per_octave).clamp(0.0, grid.slices as f32 - 1.0) as u32
+    (log2(m / grid.half) * grid.per_octave)
+        .max(0.0)
+        .min(grid.slices as f32 - 1.0) as u32
 }
 
 /// The cell of a position.

@@ -25,6 +25,9 @@ stage! {
     }
 }
 
+/// The largest finite 16-bit float.
+const MOST: f32 = 65_504.0;
+
 /// Side of a workgroup, texels.
 pub const TILE: u32 = 8;
 
@@ -44,7 +47,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 Vec3::ONE
             };
             let light = compose::complete(&p.gathered[i]) * factor;
-            (light * p.host.exposure).extend(p.gathered[i].weight)
+            // Light beyond the largest 16-bit float stays that; infinity would spread through the engine's filters.
+            (light * p.host.exposure)
+                .min(Vec3::splat(MOST))
+                .extend(p.gathered[i].weight)
         } else {
             Vec4::ZERO
         };
