@@ -149,8 +149,8 @@ fn a_cut_to_another_place_reuses_the_slots() {
     );
 }
 
-/// Going away from a wall makes surfels too many; they thin out to a small multiple of those that are born there: a crowd begins at four times
-/// the coverage that is wanted, so that what random births make is left alone.
+/// Going away from a wall makes surfels too many; they thin out to a small multiple of those that are born there: a
+/// crowd begins at four times the coverage that is wanted, so that what random births make is left alone.
 #[test]
 fn backing_away_thins_out_a_crowd() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");

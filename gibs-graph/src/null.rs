@@ -188,6 +188,19 @@ impl Executable for NullExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
+        let found = &self.schedule.resources[resource as usize];
+        if let Some(image) = found.image {
+            if bytes.len() as u64 != found.bytes {
+                return Err(BackendError::Refused {
+                    what: format!("writing `{}`", found.key),
+                    reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
+                    remedy: "write the whole image, a value per texel".into(),
+                });
+            }
+            let values = image.format.decode(&image.format.encode(bytes));
+            self.current(resource)?[..values.len()].copy_from_slice(&values);
+            return Ok(());
+        }
         let memory = self.current(resource)?;
         memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
         Ok(())
