@@ -36,7 +36,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         warning!("{warning}");
     }
     if args.why {
-        return Ok(print(&why(&gi.needs()?))?);
+        return print(&why(&gi.needs()?));
     }
     let schedule = gi.schedule();
     match args.format.as_str() {
