@@ -213,3 +213,21 @@ fn backends_import_alike() {
         assert_eq!(differing, 0, "{}: texels differ", backend.name());
     }
 }
+
+/// A frame that was never described has no picture to show, and runs without harm: every buffer is zero.
+#[test]
+fn a_frame_that_nobody_described_runs() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    for backend in all_backends() {
+        for screen in [Screen::Traced, Screen::Imported] {
+            let gi = Gi::new(&scene, &view, SIZE, &settings(100), screen).expect("a frame");
+            let mut exec = backend
+                .prepare(gi.schedule().clone(), None)
+                .expect("prepares");
+            exec.run()
+                .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+            let rays: Vec<gibs::graph::DispatchArgs> = output(exec.as_mut(), "rays");
+            assert_eq!(rays[0].count, 0, "{}", backend.name());
+        }
+    }
+}

@@ -4,7 +4,7 @@ use crate::memory::Allocation;
 use crate::order::shuffled;
 use gibs_graph::{
     Access, Action, BackendError, DispatchArgs, DispatchSize, DispatchStep, Executable, MAX_GROUPS,
-    RawView, ResourceId, Schedule, StepTime, Workgroup, WriteMap, check_range,
+    RawView, ResourceId, Schedule, StepTime, Workgroup, WriteMap, check_image, check_range,
 };
 use rayon::prelude::*;
 use std::any::Any;
@@ -230,13 +230,7 @@ impl Executable for CpuExecutable {
         check_range(&self.schedule, resource, offset, bytes.len())?;
         let found = &self.schedule.resources[resource as usize];
         if let Some(image) = found.image {
-            if bytes.len() as u64 != found.bytes {
-                return Err(BackendError::Refused {
-                    what: format!("writing `{}`", found.key),
-                    reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
-                    remedy: "write the whole image, a value per texel".into(),
-                });
-            }
+            check_image(found, bytes.len())?;
             // Rounded as the format has it, as on a device.
             let values = image.format.decode(&image.format.encode(bytes));
             let memory = self.home(resource).current.bytes_mut();

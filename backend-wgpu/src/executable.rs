@@ -7,7 +7,7 @@ use crate::stores::{Import, Stores};
 use crate::timing::Timer;
 use gibs_graph::{
     Action, BackendError, DispatchSize, DispatchStep, Executable, Kind, ResourceId, Schedule,
-    StepTime, check_range,
+    StepTime, check_image, check_range,
 };
 use std::any::Any;
 use std::sync::Arc;
@@ -277,13 +277,7 @@ impl WgpuExecutable {
         if self.stores.import(resource).is_some() {
             return Err(hosts_image(&found.key));
         }
-        if bytes.len() as u64 != found.bytes {
-            return Err(BackendError::Refused {
-                what: format!("writing `{}`", found.key),
-                reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
-                remedy: "write the whole image, a value per texel".into(),
-            });
-        }
+        check_image(found, bytes.len())?;
         match self.stores.own_image(&self.context, resource)? {
             Some(image) => image.write(&self.context, bytes),
             None => Ok(()),

@@ -1,5 +1,5 @@
 //! What a backend is.
-use crate::{ResourceId, Schedule};
+use crate::{Resource, ResourceId, Schedule};
 use serde::Serialize;
 use std::any::Any;
 use std::sync::Arc;
@@ -244,4 +244,19 @@ pub fn check_range(
             end: end.unwrap_or(u64::MAX),
         }),
     }
+}
+
+/// Checks an upload to an image: it takes all values at once.
+///
+/// # Errors
+/// [`BackendError::Refused`].
+pub fn check_image(image: &Resource, len: usize) -> Result<(), BackendError> {
+    if len as u64 == image.bytes {
+        return Ok(());
+    }
+    Err(BackendError::Refused {
+        what: format!("writing `{}`", image.key),
+        reason: format!("{len} bytes were given, it has {}", image.bytes),
+        remedy: "write the whole image, a value per texel".into(),
+    })
 }

@@ -27,7 +27,9 @@ mod stage;
 mod texel;
 mod view;
 
-pub use backend::{Backend, BackendError, DeviceInfo, Executable, StepTime, check_range};
+pub use backend::{
+    Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range,
+};
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, Recorder, groups_for};

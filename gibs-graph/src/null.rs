@@ -1,7 +1,7 @@
 //! A backend without a device.
 use crate::{
     Access, Action, Backend, BackendError, DeviceInfo, DispatchStep, Executable, Kind, Resource,
-    ResourceId, Schedule, StepTime, check_range,
+    ResourceId, Schedule, StepTime, check_image, check_range,
 };
 use std::any::Any;
 use std::sync::Arc;
@@ -190,13 +190,7 @@ impl Executable for NullExecutable {
         check_range(&self.schedule, resource, offset, bytes.len())?;
         let found = &self.schedule.resources[resource as usize];
         if let Some(image) = found.image {
-            if bytes.len() as u64 != found.bytes {
-                return Err(BackendError::Refused {
-                    what: format!("writing `{}`", found.key),
-                    reason: format!("{} bytes were given, it has {}", bytes.len(), found.bytes),
-                    remedy: "write the whole image, a value per texel".into(),
-                });
-            }
+            check_image(found, bytes.len())?;
             let values = image.format.decode(&image.format.encode(bytes));
             self.current(resource)?[..values.len()].copy_from_slice(&values);
             return Ok(());
