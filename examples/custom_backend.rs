@@ -10,12 +10,13 @@
 //! `docs/extending.md` has the list of what a backend promises; the comments here name its points.
 use gibs::graph::bytemuck::{self, Pod, Zeroable};
 use gibs::graph::{
-    Access, Action, Backend, BackendError, DeviceInfo, DispatchArgs, DispatchSize, DispatchStep,
-    Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, StepTime, Workgroup,
-    check_range,
+    Access, Action, Backend, BackendError, Capabilities, DeviceInfo, DispatchArgs, DispatchSize,
+    DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, StepTime,
+    Workgroup, check_range,
 };
 use gibs::passes::frame::Settings;
 use gibs::{Renderer, builtin};
+use gibs_backend_cpu::CpuBackend;
 use std::any::Any;
 use std::error::Error;
 use std::process::ExitCode;
@@ -78,7 +79,8 @@ fn bytes_of<'a>(lines: &'a mut [Line], resource: &Resource) -> &'a mut [u8] {
     &mut bytemuck::cast_slice_mut(lines)[..resource.bytes as usize]
 }
 
-struct Counting(DeviceInfo);
+/// What it runs on is what the CPU backend runs on.
+struct Counting(CpuBackend);
 
 impl Backend for Counting {
     fn name(&self) -> &str {
@@ -86,7 +88,11 @@ impl Backend for Counting {
     }
 
     fn device(&self) -> &DeviceInfo {
-        &self.0
+        self.0.device()
+    }
+
+    fn capabilities(&self) -> &Capabilities {
+        self.0.capabilities()
     }
 
     fn prepare(
@@ -155,8 +161,12 @@ impl Run {
                 format!("asks for {count:?} workgroups"),
             ));
         }
-        let mut views = Vec::with_capacity(dispatch.bindings.len());
-        for binding in &dispatch.bindings {
+        let mut views = Vec::new();
+        for binding in dispatch.slots() {
+            let Some(binding) = binding else {
+                views.push(RawView::absent());
+                continue;
+            };
             let resource = &self.schedule.resources[binding.resource as usize];
             let slot = &mut self.slots[binding.resource as usize];
             let lines = match (binding.access, &mut slot.before) {
@@ -257,12 +267,8 @@ impl Executable for Run {
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let cpu = gibs_backend_cpu::CpuBackend::new(Default::default())?;
-    let counting = Counting(DeviceInfo {
-        driver: "custom_backend, one thread".into(),
-        timestamps: false,
-        ..cpu.device().clone()
-    });
+    let cpu = CpuBackend::new(Default::default())?;
+    let counting = Counting(CpuBackend::new(Default::default())?);
     let (scene, view) = builtin::by_name("cornell").ok_or("no such scene")?;
     let settings = Settings {
         surfels: 2048,

@@ -236,7 +236,10 @@ impl Renderer {
     /// [`RenderError::Backend`].
     pub fn picture(&mut self) -> Result<Picture, RenderError> {
         let points: Vec<SurfacePoint> = self.output("points")?;
-        let direct: Vec<Vec4> = self.output("direct")?;
+        let direct = match self.gi.schedule().output("direct") {
+            Some(_) => self.output("direct")?,
+            None => vec![Vec4::ZERO; points.len()],
+        };
         let irradiance: Vec<Vec4> = self.output("irradiance")?;
         let color: Vec<Vec4> = self.output("color")?;
         let mut picture =

@@ -358,7 +358,9 @@ fn why_says_what_the_scene_needs() {
         let mut present = None;
         let mut stages = 0;
         for line in why.lines() {
-            if let Some(stage) = line.strip_prefix("    ") {
+            if let Some(binding) = line.strip_suffix(" (binding)") {
+                assert!(binding.contains('.'), "{binding}");
+            } else if let Some(stage) = line.strip_prefix("    ") {
                 let there = frame
                     .lines()
                     .any(|step| step.split_whitespace().any(|word| word == stage));

@@ -79,21 +79,21 @@ stage! {
     pub stage Paint {
         wgsl: WgslSource {
             name: "paint",
-            text: "@group(0) @binding(0) var<storage, read> direct: array<vec4<f32>>;
+            text: "@group(0) @binding(0) var<storage, read> light: array<vec4<f32>>;
                 @group(0) @binding(1) var<storage, read_write> color: array<vec4<f32>>;
-                @compute @workgroup_size(1) fn main() { color[0] = direct[0]; }",
+                @compute @workgroup_size(1) fn main() { color[0] = light[0]; }",
             modules: &[],
             features: &[],
         },
         workgroup: [1, 1, 1],
-        ports: { read direct: Vec4, read_write color: Vec4 },
+        ports: { read light: Vec4, read_write color: Vec4 },
         cpu: paint,
         wide: None,
     }
 }
 
 fn paint(p: &Views<'_>, _: Workgroup) {
-    p.color.set(0, p.direct[0]);
+    p.color.set(0, p.light[0]);
 }
 
 fn renderer(extend: impl FnOnce(&mut Graph, SurfelOutputs)) -> Result<Renderer, RenderError> {
@@ -106,13 +106,16 @@ fn renderer(extend: impl FnOnce(&mut Graph, SurfelOutputs)) -> Result<Renderer, 
 #[test]
 fn stages_that_do_not_fit_are_refused() {
     let refused = renderer(|g, frame| {
-        let Light::Traced { direct, color, .. } = frame.light else {
+        let Light::Traced {
+            irradiance, color, ..
+        } = frame.light
+        else {
             panic!("the renderer traces")
         };
         let _ = g.add::<Paint>(
             "apply/paint",
             Inputs {
-                direct: &direct,
+                light: &irradiance,
                 color,
             },
             Dispatch::Groups([1, 1, 1]),

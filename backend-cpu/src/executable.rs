@@ -132,8 +132,13 @@ impl CpuExecutable {
     fn dispatch(&mut self, label: &str, dispatch: &DispatchStep) -> Result<(), BackendError> {
         let (count, total) = self.groups(label, dispatch.size)?;
         let maps = self.maps(dispatch);
+        let mut bound_maps = maps.iter();
         let mut views = emptied(std::mem::take(&mut self.views));
-        for (i, binding) in dispatch.bindings.iter().enumerate() {
+        for binding in dispatch.slots() {
+            let Some(binding) = binding else {
+                views.push(RawView::absent());
+                continue;
+            };
             let resource = &self.schedule.resources[binding.resource as usize];
             let allocation = &mut self.allocations[resource.home as usize];
             let memory = match (binding.access, &mut allocation.previous) {
@@ -148,7 +153,7 @@ impl CpuExecutable {
                     memory.start(),
                     resource.bytes as usize,
                     binding.access,
-                    maps.get(i).and_then(Option::as_ref),
+                    bound_maps.next().and_then(Option::as_ref),
                 )
             };
             views.push(match resource.image {

@@ -8,7 +8,9 @@ mod executable;
 mod memory;
 mod order;
 
-use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
+use gibs_graph::{
+    Backend, BackendError, Capabilities, DeviceInfo, Executable, MAX_GROUPS, Schedule,
+};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -29,6 +31,7 @@ pub struct CpuBackend {
     options: Options,
     pool: Arc<rayon::ThreadPool>,
     device: DeviceInfo,
+    capabilities: Capabilities,
 }
 
 impl CpuBackend {
@@ -53,17 +56,19 @@ impl CpuBackend {
             kind: "cpu".into(),
             timestamps: true,
             ray_query: false,
-            max_binding: isize::MAX as u64,
-            max_storage_buffers: u32::MAX,
             notes: vec![
                 format!("{} threads", pool.current_num_threads()),
                 simd(options).into(),
             ],
         };
+        let mut capabilities = Capabilities::unlimited();
+        capabilities.buffer = isize::MAX as u64;
+        capabilities.workgroups = [MAX_GROUPS; 3];
         Ok(Self {
             options,
             pool: Arc::new(pool),
             device,
+            capabilities,
         })
     }
 }
@@ -75,6 +80,10 @@ impl Backend for CpuBackend {
 
     fn device(&self) -> &DeviceInfo {
         &self.device
+    }
+
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
     }
 
     fn prepare(
@@ -95,6 +104,7 @@ impl Backend for CpuBackend {
                 }
             }
         };
+        self.capabilities.check(&self.device.name, &schedule)?;
         Ok(Box::new(executable::CpuExecutable::new(
             schedule,
             Arc::clone(&self.pool),

@@ -1,16 +1,16 @@
 //! Physical devices: what they are, what they allow, and which one to take.
 use crate::image;
 use crate::instance::{Instance, OLDEST, no_driver, unavailable, version};
-use crate::limits::Limits;
+use crate::limits;
 use ash::{khr, vk};
-use gibs_graph::{BackendError, DeviceInfo};
+use gibs_graph::{BackendError, Capabilities, DeviceInfo};
 use std::ffi::{CStr, CString};
 
 /// A physical device and everything about it that the backend asks again.
 pub(crate) struct Adapter {
     pub physical: vk::PhysicalDevice,
     pub info: DeviceInfo,
-    pub limits: Limits,
+    pub capabilities: Capabilities,
     /// Version that device and instance share.
     pub api: u32,
     /// Queue family for compute.
@@ -146,16 +146,14 @@ impl Adapter {
         Self {
             physical,
             info: DeviceInfo {
-                name: name.clone(),
+                name,
                 driver: format!("{driver_name} {driver_text}").trim().to_string(),
                 kind: kind.into(),
                 timestamps: timestamp_bits > 0,
                 ray_query: offers(khr::ray_query::NAME),
-                max_binding: u64::from(basic.limits.max_storage_buffer_range),
-                max_storage_buffers: basic.limits.max_per_stage_descriptor_storage_buffers,
                 notes,
             },
-            limits: Limits::new(name, &basic.limits, formats, max_buffer, heap),
+            capabilities: limits::capabilities(&basic.limits, formats, max_buffer, heap),
             api,
             family,
             timestamp_bits,

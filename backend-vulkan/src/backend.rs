@@ -5,7 +5,7 @@ use crate::executable::VulkanExecutable;
 use crate::instance::{Instance, unavailable};
 use crate::validation::ValidationLog;
 use ash::vk;
-use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
+use gibs_graph::{Backend, BackendError, Capabilities, DeviceInfo, Executable, Schedule};
 use std::fmt;
 use std::sync::Arc;
 
@@ -105,6 +105,10 @@ impl Backend for VulkanBackend {
 
     fn device(&self) -> &DeviceInfo {
         &self.device.adapter.info
+    }
+
+    fn capabilities(&self) -> &Capabilities {
+        &self.device.adapter.capabilities
     }
 
     fn prepare(

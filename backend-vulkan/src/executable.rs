@@ -55,7 +55,8 @@ impl VulkanExecutable {
         schedule: Arc<Schedule>,
         old: Option<Self>,
     ) -> Result<Self, BackendError> {
-        device.adapter.limits.check(&schedule)?;
+        let adapter = &device.adapter;
+        adapter.capabilities.check(&adapter.info.name, &schedule)?;
         let kernels = kernels::build(device, &schedule)?;
         let mut adopted = Vec::new();
         if let Some(mut old) = old {

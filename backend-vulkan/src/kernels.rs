@@ -32,7 +32,7 @@ pub(crate) struct Slot {
 struct Key {
     name: &'static str,
     text: &'static str,
-    features: &'static [&'static str],
+    features: Vec<&'static str>,
     /// Each port and how it is bound.
     ports: Vec<(&'static str, vk::DescriptorType)>,
 }
@@ -136,7 +136,7 @@ impl Key {
         Self {
             name: wgsl.name,
             text: wgsl.text,
-            features: wgsl.features,
+            features: dispatch.features(),
             ports: bound.map(|p| (p.name, kind_of(p.access))).collect(),
         }
     }
@@ -154,7 +154,7 @@ impl Kernel {
             message,
         };
         let compiled = compiler
-            .compile(&dispatch.kernel.wgsl)
+            .compile(&dispatch.kernel.wgsl, &dispatch.ports)
             .map_err(|e| refused(e.to_string()))?;
         let mut words = compiled
             .spirv(device.adapter.spirv())

@@ -1,7 +1,7 @@
 //! The backend: a device that schedules can be prepared for.
 use crate::context::{Context, NAME};
 use crate::{Options, WgpuExecutable, device};
-use gibs_graph::{Backend, BackendError, DeviceInfo, Executable, Schedule};
+use gibs_graph::{Backend, BackendError, Capabilities, DeviceInfo, Executable, Schedule};
 use std::sync::Arc;
 
 /// A wgpu device as a backend.
@@ -61,6 +61,10 @@ impl Backend for WgpuBackend {
 
     fn device(&self) -> &DeviceInfo {
         &self.context.info
+    }
+
+    fn capabilities(&self) -> &Capabilities {
+        &self.context.capabilities
     }
 
     fn prepare(

@@ -1,6 +1,7 @@
 //! A device as everything here sees it: with errors as values.
 use crate::kernels::KernelCache;
-use gibs_graph::{BackendError, DeviceInfo};
+use crate::limits;
+use gibs_graph::{BackendError, Capabilities, DeviceInfo};
 use gibs_shaders::Compiler;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,7 +15,7 @@ const LOST: &str = "it was lost while work was under way; start again, with less
 /// A device, its queue, and the kernels built for it. Shared by a backend and its executables.
 pub(crate) struct Context {
     pub info: DeviceInfo,
-    pub limits: wgpu::Limits,
+    pub capabilities: Capabilities,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub compiler: Compiler,
@@ -56,7 +57,7 @@ impl Context {
         }
         Self {
             info,
-            limits: device.limits(),
+            capabilities: limits::capabilities(&device.limits()),
             device,
             queue,
             compiler: Compiler::new(),

@@ -17,7 +17,7 @@ pub struct Options {
 pub fn devices() -> Vec<DeviceInfo> {
     adapters()
         .iter()
-        .map(|a| describe(&a.get_info(), a.features(), &a.limits()))
+        .map(|a| describe(&a.get_info(), a.features()))
         .collect()
 }
 
@@ -27,7 +27,7 @@ pub fn devices() -> Vec<DeviceInfo> {
 /// [`BackendError::Unavailable`] if there is none, or if it lacks a feature.
 pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
     let adapter = choose(adapters(), options.adapter.as_deref())?;
-    let info = describe(&adapter.get_info(), adapter.features(), &adapter.limits());
+    let info = describe(&adapter.get_info(), adapter.features());
     let mut features = Features::TIMESTAMP_QUERY & adapter.features();
     if options.same_spirv {
         if !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {
@@ -67,7 +67,7 @@ pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
 
 /// Takes what an engine has.
 pub(crate) fn take(info: &wgpu::AdapterInfo, device: wgpu::Device, queue: wgpu::Queue) -> Context {
-    let info = describe(info, device.features(), &device.limits());
+    let info = describe(info, device.features());
     Context::new(info, device, queue, Owner::Engine, false)
 }
 
@@ -128,7 +128,7 @@ fn rank(kind: wgpu::DeviceType) -> u32 {
     }
 }
 
-fn describe(info: &wgpu::AdapterInfo, features: Features, limits: &wgpu::Limits) -> DeviceInfo {
+fn describe(info: &wgpu::AdapterInfo, features: Features) -> DeviceInfo {
     let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => "discrete",
         wgpu::DeviceType::IntegratedGpu => "integrated",
@@ -155,8 +155,6 @@ fn describe(info: &wgpu::AdapterInfo, features: Features, limits: &wgpu::Limits)
         kind: kind.into(),
         timestamps: features.contains(Features::TIMESTAMP_QUERY),
         ray_query: features.contains(Features::EXPERIMENTAL_RAY_QUERY),
-        max_binding: limits.max_storage_buffer_binding_size,
-        max_storage_buffers: limits.max_storage_buffers_per_shader_stage,
         notes,
     }
 }

@@ -2,7 +2,6 @@
 use crate::buffers::{Parity, Readback, write};
 use crate::context::Context;
 use crate::kernels::{Kernel, bind, kernel};
-use crate::limits;
 use crate::stores::{Import, Stores};
 use crate::timing::Timer;
 use gibs_graph::{
@@ -52,7 +51,7 @@ impl WgpuExecutable {
         schedule: Arc<Schedule>,
         adopt: Option<WgpuExecutable>,
     ) -> Result<Self, BackendError> {
-        limits::check(&schedule, &context.limits, &context.info.name)?;
+        context.capabilities.check(&context.info.name, &schedule)?;
         // All kernels before any memory: what is wrong with them is the likelier and the cheaper failure.
         for (_, step, dispatch) in schedule.dispatches() {
             kernel(&context, &step.label, dispatch)?;

@@ -4,7 +4,7 @@ use crate::context::{Context, lock, said};
 use crate::images;
 use crate::passthrough;
 use crate::stores::Stores;
-use gibs_graph::{Access, BackendError, DispatchStep, ImageFormat, Port, Schedule, WgslSource};
+use gibs_graph::{Access, BackendError, DispatchStep, ImageFormat, Port, Schedule};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -18,7 +18,7 @@ pub(crate) type KernelCache = HashMap<Key, Arc<Kernel>>;
 pub(crate) struct Key {
     name: &'static str,
     text: &'static str,
-    features: &'static [&'static str],
+    features: Vec<&'static str>,
     slots: Vec<(&'static str, Slot)>,
 }
 
@@ -57,13 +57,13 @@ pub(crate) fn kernel(
     let key = Key {
         name: source.name,
         text: source.text,
-        features: source.features,
+        features: dispatch.features(),
         slots,
     };
     if let Some(built) = lock(&context.kernels).get(&key) {
         return Ok(Arc::clone(built));
     }
-    let built = Arc::new(build(context, label, source, &key.slots)?);
+    let built = Arc::new(build(context, label, dispatch, &key.slots)?);
     lock(&context.kernels).insert(key, Arc::clone(&built));
     Ok(built)
 }
@@ -81,16 +81,17 @@ fn slot(port: &Port) -> Option<Slot> {
 fn build(
     context: &Context,
     label: &str,
-    source: &WgslSource,
+    dispatch: &DispatchStep,
     slots: &[(&'static str, Slot)],
 ) -> Result<Kernel, BackendError> {
     let refuse = |message: String| BackendError::Kernel {
         stage: label.into(),
         message,
     };
+    let name = dispatch.kernel.wgsl.name;
     let compiled = context
         .compiler
-        .compile(source)
+        .compile(&dispatch.kernel.wgsl, &dispatch.ports)
         .map_err(|error| refuse(error.to_string()))?;
     let mut numbers = Vec::with_capacity(slots.len());
     let mut entries = Vec::with_capacity(slots.len());
@@ -98,7 +99,7 @@ fn build(
         let Some(binding) = compiled.binding(port) else {
             return Err(refuse(format!(
                 "{} has no global for the port `{port}`; declare it in @group(0)",
-                source.name
+                name
             )));
         };
         numbers.push((port, binding));
@@ -108,24 +109,24 @@ fn build(
         || {
             let device = &context.device;
             let module = if context.same_spirv {
-                passthrough::module(context, source.name, &compiled)?
+                passthrough::module(context, name, &compiled)?
             } else {
                 device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some(source.name),
+                    label: Some(name),
                     source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(compiled.wgsl())),
                 })
             };
             let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(source.name),
+                label: Some(name),
                 entries: &entries,
             });
             let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(source.name),
+                label: Some(name),
                 bind_group_layouts: &[Some(&layout)],
                 immediate_size: 0,
             });
             let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(source.name),
+                label: Some(name),
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some("main"),

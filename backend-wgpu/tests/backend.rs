@@ -397,7 +397,7 @@ fn time_is_measured_for_every_dispatch() {
 #[test]
 fn a_limit_names_the_resource_or_the_stage() {
     let Some(backend) = backend() else { return };
-    let len = backend.device().max_binding / 4 + 1;
+    let len = backend.capabilities().storage_binding / 4 + 1;
     let Err(error) = backend.prepare(doubling(len), None) else {
         panic!("{len} elements were accepted")
     };

@@ -1,5 +1,5 @@
 //! What a backend is.
-use crate::{Resource, ResourceId, Schedule};
+use crate::{Capabilities, Resource, ResourceId, Schedule};
 use serde::Serialize;
 use std::any::Any;
 use std::sync::Arc;
@@ -13,6 +13,10 @@ pub trait Backend {
 
     /// The device behind it.
     fn device(&self) -> &DeviceInfo;
+
+    /// What the device allows. [`Backend::prepare`] holds every schedule against it, with [`Capabilities::check`],
+    /// before it builds or allocates anything.
+    fn capabilities(&self) -> &Capabilities;
 
     /// Allocates everything that `schedule` needs and builds its kernels. With `adopt`, the content of every
     /// persistent resource that [`Schedule::adoptions`] names is taken over from that executable, which must come
@@ -113,10 +117,6 @@ pub struct DeviceInfo {
     pub timestamps: bool,
     /// Rays can be traced by hardware.
     pub ray_query: bool,
-    /// Largest storage binding, bytes.
-    pub max_binding: u64,
-    /// Storage buffers that one stage may bind.
-    pub max_storage_buffers: u32,
     /// Anything else worth knowing, such as SIMD width or thread count.
     pub notes: Vec<String>,
 }

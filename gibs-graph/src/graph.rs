@@ -37,7 +37,10 @@ pub(crate) struct ResourceDecl {
 pub(crate) struct StageDecl {
     pub label: String,
     pub stage: &'static str,
+    /// Those that are bound.
     pub ports: Vec<Port>,
+    /// Optional ports that are not, with their position among all.
+    pub absent: Vec<(usize, Port)>,
     pub kernel: KernelSource,
     pub bindings: Vec<BindingDecl>,
     pub dispatch: DispatchDecl,
@@ -256,10 +259,14 @@ impl Graph {
             errors: &mut self.errors,
         };
         let outputs = S::bind(&mut recorder, inputs);
+        let declared = S::ports().into_iter().enumerate();
+        let (absent, ports): (Vec<_>, Vec<_>) = declared
+            .partition(|(_, port)| port.optional && bindings.iter().all(|b| b.port != port.name));
         self.stages.push(StageDecl {
             label: label.into(),
             stage: S::NAME,
-            ports: S::ports(),
+            ports: ports.into_iter().map(|(_, port)| port).collect(),
+            absent,
             kernel,
             bindings,
             dispatch,

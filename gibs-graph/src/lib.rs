@@ -10,6 +10,7 @@
 //! checked through the [`ShaderCompiler`] trait.
 #![warn(missing_docs)]
 mod backend;
+mod capabilities;
 mod compile;
 mod element;
 mod error;
@@ -30,6 +31,7 @@ mod view;
 pub use backend::{
     Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range,
 };
+pub use capabilities::Capabilities;
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, Recorder, groups_for};
@@ -41,7 +43,7 @@ pub use null::NullBackend;
 pub use port::{Access, Port};
 pub use schedule::{
     Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, ImageShape, Output, Resource,
-    ResourceId, Schedule, Step, Usage,
+    ResourceId, Schedule, Step, Usage, features,
 };
 pub use shader::ShaderCompiler;
 pub use stage::{Stage, next_view};

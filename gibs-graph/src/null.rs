@@ -1,6 +1,6 @@
 //! A backend without a device.
 use crate::{
-    Access, Action, Backend, BackendError, DeviceInfo, DispatchStep, Executable, Kind, Resource,
+    Action, Backend, BackendError, Capabilities, DeviceInfo, Executable, Kind, Resource,
     ResourceId, Schedule, StepTime, check_image, check_range,
 };
 use std::any::Any;
@@ -32,17 +32,17 @@ const NAME: &str = "null";
 #[derive(Clone, Debug)]
 pub struct NullBackend {
     device: DeviceInfo,
+    capabilities: Capabilities,
 }
 
 impl NullBackend {
     /// A backend without limits.
     pub fn new() -> Self {
-        Self::with_limits(u64::MAX, u32::MAX)
+        Self::with_capabilities(Capabilities::unlimited())
     }
 
-    /// A backend that refuses what a device with these limits would: [`DeviceInfo::max_binding`], in bytes, and
-    /// [`DeviceInfo::max_storage_buffers`].
-    pub fn with_limits(max_binding: u64, max_storage_buffers: u32) -> Self {
+    /// A backend that refuses what a device with these capabilities would.
+    pub fn with_capabilities(capabilities: Capabilities) -> Self {
         Self {
             device: DeviceInfo {
                 name: NAME.into(),
@@ -50,36 +50,10 @@ impl NullBackend {
                 kind: "software".into(),
                 timestamps: false,
                 ray_query: false,
-                max_binding,
-                max_storage_buffers,
                 notes: Vec::new(),
             },
+            capabilities,
         }
-    }
-
-    fn check(&self, schedule: &Schedule) -> Result<(), BackendError> {
-        let allow = |need: u64, limit: u64, what: &dyn Fn() -> String| {
-            if need <= limit {
-                return Ok(());
-            }
-            Err(BackendError::Limit {
-                what: what(),
-                need,
-                limit,
-                device: NAME.into(),
-                remedy: "raise the limits that were given to NullBackend, or need less".into(),
-            })
-        };
-        for resource in schedule.resources.iter().filter(|r| r.usage.storage) {
-            let what = || format!("the storage binding of `{}`, in bytes,", resource.key);
-            allow(resource.bytes, self.device.max_binding, &what)?;
-        }
-        for (_, step, dispatch) in schedule.dispatches() {
-            let what = || format!("stage `{}`, in storage buffers,", step.label);
-            let limit = self.device.max_storage_buffers.into();
-            allow(storage_buffers(dispatch), limit, &what)?;
-        }
-        Ok(())
     }
 }
 
@@ -89,13 +63,6 @@ impl Default for NullBackend {
     }
 }
 
-fn storage_buffers(dispatch: &DispatchStep) -> u64 {
-    let storage =
-        |access: Access| access.is_bound() && !access.is_image() && access != Access::Uniform;
-    let bindings = dispatch.bindings.iter();
-    bindings.filter(|b| storage(b.access)).count() as u64
-}
-
 impl Backend for NullBackend {
     fn name(&self) -> &str {
         NAME
@@ -103,6 +70,10 @@ impl Backend for NullBackend {
 
     fn device(&self) -> &DeviceInfo {
         &self.device
+    }
+
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
     }
 
     fn prepare(
@@ -116,7 +87,7 @@ impl Backend for NullBackend {
             .map_err(|_| BackendError::ForeignExecutable {
                 backend: NAME.into(),
             })?;
-        self.check(&schedule)?;
+        self.capabilities.check(NAME, &schedule)?;
         let mut contents: Vec<Content> = Vec::new();
         contents.resize_with(schedule.resources.len(), Content::default);
         if let Some(mut old) = old {

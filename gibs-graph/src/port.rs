@@ -13,6 +13,8 @@ pub struct Port {
     pub element: Layout,
     /// What an image's texels are; `None` for a buffer.
     pub image: Option<ImageFormat>,
+    /// Only some frames bind it; where one does, its name is a feature of the device kernel.
+    pub optional: bool,
 }
 
 /// How a stage touches a resource.

@@ -1,5 +1,5 @@
 //! A compiled frame: plain data that any backend can run.
-use crate::{Access, ImageFormat, KernelSource, Kind, Layout, Port};
+use crate::{Access, ImageFormat, KernelSource, Kind, Layout, Port, WgslSource};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -111,10 +111,12 @@ pub struct DispatchStep {
     /// The implementations.
     #[serde(skip)]
     pub kernel: KernelSource,
-    /// Ports as declared.
+    /// The ports that are bound, as declared.
     pub ports: Vec<Port>,
-    /// One binding per port, in the order of the ports.
+    /// One binding per bound port, in the order of the ports.
     pub bindings: Vec<Binding>,
+    /// Positions, among all ports that the stage declares, of optional ones that are not bound; ascending.
+    pub absent: Vec<usize>,
     /// How many workgroups.
     pub size: DispatchSize,
 }
@@ -247,6 +249,32 @@ impl Schedule {
                 Action::Clear(_) => None,
             })
     }
+}
+
+impl DispatchStep {
+    /// What CPU kernels take: a binding per declared port in declaration order, `None` for one that is not bound.
+    pub fn slots(&self) -> impl Iterator<Item = Option<&Binding>> {
+        let mut bindings = self.bindings.iter();
+        let declared = self.bindings.len() + self.absent.len();
+        (0..declared).map(move |slot| match self.absent.contains(&slot) {
+            true => None,
+            false => bindings.next(),
+        })
+    }
+
+    /// Features that the device kernel is composed with: its own, and the names of the optional ports that are bound.
+    pub fn features(&self) -> Vec<&'static str> {
+        features(&self.kernel.wgsl, &self.ports)
+    }
+}
+
+/// Features that a device kernel is composed with when `ports` are bound.
+pub fn features(wgsl: &WgslSource, ports: &[Port]) -> Vec<&'static str> {
+    let optional = ports
+        .iter()
+        .filter(|port| port.optional)
+        .map(|port| port.name);
+    wgsl.features.iter().copied().chain(optional).collect()
 }
 
 impl Step {

@@ -3,8 +3,8 @@ use crate::{GraphError, KernelSource, Port};
 
 /// Composes, validates and reflects device kernels. `gibs-shaders` has one made with naga.
 pub trait ShaderCompiler {
-    /// Holds the kernel of `stage` against its ports: every global has a port and the reverse, access, layouts and
-    /// workgroup size agree.
+    /// Holds the kernel of `stage` against the ports that are bound: every global has a port and the reverse, access,
+    /// layouts and workgroup size agree. `absent` has the optional ports that are not bound.
     ///
     /// # Errors
     /// Every mismatch, as [`GraphError::Shader`].
@@ -13,5 +13,6 @@ pub trait ShaderCompiler {
         stage: &str,
         kernel: &KernelSource,
         ports: &[Port],
+        absent: &[Port],
     ) -> Result<(), Vec<GraphError>>;
 }

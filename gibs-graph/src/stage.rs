@@ -30,6 +30,10 @@ pub trait Stage {
 /// `uniform`, `read`, `write`, `read_write`, `atomic` (of `u32`), `previous` and `host_only` for buffers, `sampled` and
 /// `stored` for images, with a [`Texel`](crate::Texel) as their type; at least one port is read.
 ///
+/// A port that only some frames need is `optional_read`, `optional_write` or `optional_read_write`: its handle is an
+/// `Option`. Where it is `None`, the stage has no binding for it, the CPU kernel's view is empty, and the device kernel
+/// is composed without the feature of the port's name: put `@if(name)` before the global and what uses it.
+///
 /// ```
 /// use gibs_graph::{stage, Dispatch, Graph, WgslSource, Workgroup};
 ///
@@ -121,6 +125,7 @@ macro_rules! stage {
                     access: $crate::__stage_access!($access),
                     element: $crate::__stage_element!($access $ty),
                     image: $crate::__stage_image!($access $ty),
+                    optional: $crate::__stage_optional!($access),
                 },)*]
             }
 
@@ -165,6 +170,9 @@ macro_rules! __stage_input {
     ($g:lifetime atomic $ty:ty) => { $crate::Buffer<$ty> };
     ($g:lifetime sampled $ty:ty) => { &$g $crate::Image<$ty> };
     ($g:lifetime stored $ty:ty) => { $crate::Image<$ty> };
+    ($g:lifetime optional_read $ty:ty) => { Option<&$g $crate::Buffer<$ty>> };
+    ($g:lifetime optional_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
+    ($g:lifetime optional_read_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
 }
 
 #[doc(hidden)]
@@ -179,6 +187,9 @@ macro_rules! __stage_view {
     ($a:lifetime atomic $ty:ty) => { $crate::AtomicView<$a> };
     ($a:lifetime sampled $ty:ty) => { $crate::ImageView<$a, $ty> };
     ($a:lifetime stored $ty:ty) => { $crate::ImageStore<$a, $ty> };
+    ($a:lifetime optional_read $ty:ty) => { $crate::ReadView<$a, $ty> };
+    ($a:lifetime optional_write $ty:ty) => { $crate::WriteView<$a, $ty> };
+    ($a:lifetime optional_read_write $ty:ty) => { $crate::WriteView<$a, $ty> };
 }
 
 #[doc(hidden)]
@@ -210,6 +221,32 @@ macro_rules! __stage_access {
     };
     (stored) => {
         $crate::Access::Stored
+    };
+    (optional_read) => {
+        $crate::Access::Read
+    };
+    (optional_write) => {
+        $crate::Access::Write
+    };
+    (optional_read_write) => {
+        $crate::Access::ReadWrite
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __stage_optional {
+    (optional_read) => {
+        true
+    };
+    (optional_write) => {
+        true
+    };
+    (optional_read_write) => {
+        true
+    };
+    ($access:ident) => {
+        false
     };
 }
 
@@ -253,6 +290,12 @@ macro_rules! __stage_bind_view {
     (read_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
         $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
     };
+    (optional_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
+        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
+    };
+    (optional_read_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
+        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
+    };
     (atomic $ty:ty, $next:ident, $group:ident, $port:ident) => {
         $crate::AtomicView::of($crate::next_view(&mut $next, stringify!($port)))
     };
@@ -279,6 +322,17 @@ macro_rules! __stage_record {
     (atomic $r:ident, $handle:expr, $port:expr) => {
         $r.write($handle, $port, $crate::Access::Atomic)
     };
+    (optional_read $r:ident, $handle:expr, $port:expr) => {
+        if let Some(handle) = $handle {
+            $r.read(handle, $port, $crate::Access::Read)
+        }
+    };
+    (optional_write $r:ident, $handle:expr, $port:expr) => {
+        $handle.map(|handle| $r.write(handle, $port, $crate::Access::Write))
+    };
+    (optional_read_write $r:ident, $handle:expr, $port:expr) => {
+        $handle.map(|handle| $r.write(handle, $port, $crate::Access::ReadWrite))
+    };
     (previous $r:ident, $handle:expr, $port:expr) => {
         $r.previous($handle, $port)
     };
@@ -301,6 +355,12 @@ macro_rules! __stage_outputs {
     };
     ($name:ident [$($out:ident $oty:tt,)*] read_write $port:ident : $ty:ty, $($rest:tt)*) => {
         $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
+    };
+    ($name:ident [$($out:ident $oty:tt,)*] optional_write $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port (Option<$crate::Buffer<$ty>>),] $($rest)*);
+    };
+    ($name:ident [$($out:ident $oty:tt,)*] optional_read_write $port:ident : $ty:ty, $($rest:tt)*) => {
+        $crate::__stage_outputs!($name [$($out $oty,)* $port (Option<$crate::Buffer<$ty>>),] $($rest)*);
     };
     ($name:ident [$($out:ident $oty:tt,)*] stored $port:ident : $ty:ty, $($rest:tt)*) => {
         $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Image<$ty>),] $($rest)*);
@@ -325,6 +385,8 @@ macro_rules! __stage_outputs {
 macro_rules! __stage_result {
     ([$($out:ident,)*] write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] read_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
+    ([$($out:ident,)*] optional_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
+    ([$($out:ident,)*] optional_read_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] atomic $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] stored $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
     ([$($out:ident,)*] $access:ident $port:ident, $($rest:tt)*) => {{
@@ -334,7 +396,7 @@ macro_rules! __stage_result {
     ([$($out:ident,)*]) => { Outputs { $($out,)* } };
 }
 
-/// The next binding of a kernel; the executor passes exactly one per port.
+/// The next binding of a kernel; the executor passes exactly one per declared port.
 #[doc(hidden)]
 pub fn next_view<'a>(
     views: &mut impl Iterator<Item = crate::RawView<'a>>,

@@ -109,6 +109,15 @@ fn unorm8(x: f32) -> u8 {
 }
 
 impl ImageFormat {
+    /// Every format.
+    pub const ALL: [ImageFormat; 5] = [
+        ImageFormat::Float,
+        ImageFormat::Uint,
+        ImageFormat::Rgba16Float,
+        ImageFormat::Rgba32Float,
+        ImageFormat::Rgba8Unorm,
+    ];
+
     /// Layout of a [`Texel::Value`].
     pub fn value(self) -> Layout {
         match self {

@@ -292,6 +292,7 @@ impl ShaderCompiler for Strict {
         stage: &str,
         kernel: &KernelSource,
         ports: &[Port],
+        _: &[Port],
     ) -> Result<(), Vec<GraphError>> {
         let port = Some(ports[0].name.into());
         let message = format!("`{}` has no global for it; declare one", kernel.wgsl.name);

@@ -3,7 +3,8 @@ mod common;
 
 use common::*;
 use gibs_graph::{
-    Backend, BackendError, Executable, Graph, Initial, NullBackend, ResourceId, Schedule, StepTime,
+    Backend, BackendError, Capabilities, Executable, Graph, Initial, NullBackend, ResourceId,
+    Schedule, StepTime,
 };
 use std::any::Any;
 use std::sync::Arc;
@@ -217,11 +218,19 @@ fn foreign_executables_are_refused() {
     ));
 }
 
+/// A backend that allows so many bytes per storage binding, and so many of those per stage.
+fn limited(bytes: u64, buffers: u32) -> NullBackend {
+    let mut capabilities = Capabilities::unlimited();
+    capabilities.storage_binding = bytes;
+    capabilities.storage_buffers = buffers;
+    NullBackend::with_capabilities(capabilities)
+}
+
 #[test]
 fn limits_are_held() {
     let prepare = |bytes, buffers| {
-        let backend = NullBackend::with_limits(bytes, buffers);
-        assert_eq!(backend.device().max_binding, bytes);
+        let backend = limited(bytes, buffers);
+        assert_eq!(backend.capabilities().storage_binding, bytes);
         backend.prepare(frame(LEN), None).err()
     };
     assert!(prepare(4 * LEN, 2).is_none());
@@ -259,7 +268,7 @@ fn limits_count_what_devices_bind() {
     g.output("target", &target);
     let schedule = Arc::new(compiled(g));
     let prepare = |buffers| {
-        let backend = NullBackend::with_limits(u64::MAX, buffers);
+        let backend = limited(u64::MAX, buffers);
         backend.prepare(Arc::clone(&schedule), None)
     };
     assert!(prepare(1).is_ok());

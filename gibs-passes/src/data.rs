@@ -147,8 +147,6 @@ element! {
         radius_pixels: f32,
         /// Summed weight at which spawning stops.
         coverage: f32,
-        /// 1 where a depth function guards against leaks.
-        use_depth: u32,
         /// Most surfels that a lookup visits in a cell.
         lookup: u32,
         /// Blend of a depth sample into the depth function, per ray.
@@ -157,12 +155,6 @@ element! {
         clamp: u32,
         /// Most segments of a path beyond its first hit.
         continuations: u32,
-        /// Zero.
-        pad0: u32,
-        /// Zero.
-        pad1: u32,
-        /// Zero.
-        pad2: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.

@@ -8,7 +8,7 @@ fn every_kernel_matches_its_ports() {
     let compiler = gibs_shaders::Compiler::new();
     let mut problems = Vec::new();
     for stage in stages::all() {
-        if let Err(found) = compiler.check(stage.name, &stage.kernel, &stage.ports) {
+        if let Err(found) = compiler.check(stage.name, &stage.kernel, &stage.ports, &[]) {
             problems.extend(found.iter().map(ToString::to_string));
         }
     }
@@ -46,7 +46,7 @@ fn a_wrong_port_is_found() {
     stage.ports[0].access = gibs_graph::Access::ReadWrite;
     assert!(
         gibs_shaders::Compiler::new()
-            .check(stage.name, &stage.kernel, &stage.ports)
+            .check(stage.name, &stage.kernel, &stage.ports, &[])
             .is_err()
     );
 }

@@ -1,8 +1,18 @@
-// Summed weight of surfels. Reads the stage's globals `cells`, `entries`, `poses`, `depths`, `grid` and `settings`, and
-// calls the stage's function `coverage_seen` with each surfel that has any weight.
-import package::depth::depth_visibility;
+// Summed weight of surfels. Reads the stage's globals `cells`, `entries`, `poses`, `grid` and `settings`, `depths` only
+// where the stage binds it, and calls the stage's function `coverage_seen` with each surfel that has any weight.
+@if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{lookup_alignment, lookup_falloff};
+import package::types::SurfelPose;
+
+@if(depths)
+fn coverage_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return depth_visibility(id, pose, d);
+}
+@else
+fn coverage_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return 1.0;
+}
 
 /// Summed weight of the surfels at a point: the same weights as `lookup_gather`.
 fn lookup_coverage(point: vec3<f32>, normal: vec3<f32>) -> f32 {
@@ -14,8 +24,8 @@ fn lookup_coverage(point: vec3<f32>, normal: vec3<f32>) -> f32 {
         let pose = poses[id];
         let d = point - pose.position;
         var weight = lookup_falloff(d, pose) * lookup_alignment(normal, pose);
-        if weight > 0.0 && settings.use_depth != 0u {
-            weight *= depth_visibility(id, pose, d);
+        if weight > 0.0 {
+            weight *= coverage_share(id, pose, d);
         }
         sum += weight;
         if weight > 0.0 {

@@ -12,11 +12,6 @@ fn environment_texel(side: u32, direction: vec3<f32>) -> vec4<f32> {
     return environment[environment_at(p.y, side) * side + environment_at(p.x, side)];
 }
 
-/// Radiance that arrives from a direction, without interpolation between texels.
-fn environment_radiance(side: u32, direction: vec3<f32>) -> vec3<f32> {
-    return environment_texel(side, direction).xyz;
-}
-
 /// Direction at a point of a texel; `u` and `v` in `[0, 1)`.
 fn environment_direction(side: u32, x: u32, y: u32, u: f32, v: f32) -> vec3<f32> {
     let size = f32(side);

@@ -1,15 +1,17 @@
-// Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`, `depths`,
-// `irradiance`, `births`, `frame`, `grid` and `settings`.
-import package::depth::depth_visibility;
+// Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`,
+// `irradiance`, `births`, `frame`, `grid` and `settings`; `depths` only where the stage binds it.
+@if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff, lookup_trust};
 import package::types::{Gathered, SurfelPose};
 
+@if(depths)
 fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
-    if settings.use_depth == 0u {
-        return 1.0;
-    }
     return depth_visibility(id, pose, d);
+}
+@else
+fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return 1.0;
 }
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal

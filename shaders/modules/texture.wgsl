@@ -1,5 +1,6 @@
 // Textures in packed storage, filtered alike on every backend: bilinear, no mip maps, sRGB decoded before filtering.
-// Reads the stage's globals `materials` and `texels`; the first 256 words of the latter map an sRGB byte to linear.
+// Reads the stage's globals `materials` and, where the stage binds it, `texels`, whose first 256 words map an sRGB byte
+// to linear; where it does not, no material has a texture.
 import package::hash::{hash_hash3, hash_unit};
 import package::types::{Corners, NONE, Ray};
 
@@ -41,10 +42,12 @@ fn texture_wrap(i: i32, size: i32, mode: u32) -> i32 {
     }
 }
 
+@if(texels)
 fn texture_linear(byte: u32) -> f32 {
     return bitcast<f32>(texels[byte & 0xffu]);
 }
 
+@if(texels)
 fn texture_texel(view: TextureView, x: i32, y: i32) -> vec4<f32> {
     let column = texture_wrap(x, view.size.x, view.wrapping);
     let row = texture_wrap(y, view.size.y, view.wrapping >> 2u);
@@ -62,6 +65,7 @@ fn texture_fold(x: f32, mode: u32) -> f32 {
 }
 
 /// Linear colour and alpha at texture coordinates `uv`, texel centres at half-integers.
+@if(texels)
 fn texture_sample(first: u32, packed_size: u32, wrapping: u32, uv: vec2<f32>) -> vec4<f32> {
     let size = vec2<i32>(i32(packed_size & 0xffffu), i32(packed_size >> 16u));
     let view = TextureView(first, size, wrapping);
@@ -78,6 +82,10 @@ fn texture_sample(first: u32, packed_size: u32, wrapping: u32, uv: vec2<f32>) ->
     let bottom =
         texture_texel(view, at.x, at.y + 1) * (1.0 - f.x) + texture_texel(view, at.x + 1, at.y + 1) * f.x;
     return top * (1.0 - f.y) + bottom * f.y;
+}
+@else
+fn texture_sample(first: u32, packed_size: u32, wrapping: u32, uv: vec2<f32>) -> vec4<f32> {
+    return vec4<f32>(1.0);
 }
 
 /// The inner sum is the one that compilers make of either grouping, so that all backends round alike.

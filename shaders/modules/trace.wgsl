@@ -1,8 +1,8 @@
-// Traversal of the two-level tree. Reads the stage's globals `nodes`, `triangles`, `instances`, `corners`, and those of
-// `texture`.
+// Traversal of the two-level tree. Reads the stage's globals `nodes`, `triangles` and `instances`; where the stage binds
+// `materials`, also `corners` and those of `texture`, for the alpha test.
 import package::affine::{affine_map_point, affine_map_vector};
 import package::intersect::{intersect_box, intersect_inverse, intersect_is_sound, intersect_triangle};
-import package::texture::{texture_stops, texture_uv_at};
+@if(materials && corners) import package::texture::{texture_stops, texture_uv_at};
 import package::types::{Hit, NONE, Ray};
 
 /// Inner nodes above a leaf of both levels together, at most.
@@ -16,10 +16,15 @@ fn trace_miss(t_max: f32) -> Hit {
 }
 
 /// The alpha test.
+@if(materials && corners)
 fn trace_stops(ray: Ray, index: u32, u: f32, v: f32) -> bool {
     let material = triangles[index].material_flags & ~TRACE_ALPHA_TEST;
     let uv = texture_uv_at(corners[triangles[index].primitive].uvs, u, v);
     return texture_stops(material, uv, ray, index);
+}
+@else
+fn trace_stops(ray: Ray, index: u32, u: f32, v: f32) -> bool {
+    return true;
 }
 
 /// The closest hit; of equal distances the smallest (instance, triangle). With `any`, the first hit that is found.

@@ -102,14 +102,10 @@ struct SurfelSettings {
     ray_budget: u32,
     radius_pixels: f32,
     coverage: f32,
-    use_depth: u32,
     lookup: u32,
     depth_blend: f32,
     clamp: u32,
     continuations: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
 }
 
 struct Corners {

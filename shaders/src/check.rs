@@ -18,13 +18,14 @@ impl ShaderCompiler for Compiler {
         stage: &str,
         kernel: &KernelSource,
         ports: &[Port],
+        absent: &[Port],
     ) -> Result<(), Vec<GraphError>> {
         let mut report = Report {
             stage,
             errors: Vec::new(),
         };
-        match self.compile(&kernel.wgsl) {
-            Ok(compiled) => report.kernel(&compiled, kernel.workgroup, ports),
+        match self.compile(&kernel.wgsl, ports) {
+            Ok(compiled) => report.kernel(&compiled, kernel.workgroup, ports, absent),
             Err(error) => report.add(None, error.to_string()),
         }
         if report.errors.is_empty() {
@@ -53,7 +54,13 @@ impl Report<'_> {
         self.add(port, format!("{}: {}", global.place, message.as_ref()));
     }
 
-    fn kernel(&mut self, kernel: &CompiledKernel, workgroup: [u32; 3], ports: &[Port]) {
+    fn kernel(
+        &mut self,
+        kernel: &CompiledKernel,
+        workgroup: [u32; 3],
+        ports: &[Port],
+        absent: &[Port],
+    ) {
         let globals = reflect::globals(&kernel.inner);
         let mut claimed = vec![false; globals.len()];
         for port in ports.iter().filter(|p| p.access.is_bound()) {
@@ -79,11 +86,16 @@ impl Report<'_> {
         {
             let hidden = ports
                 .iter()
-                .find(|p| !p.access.is_bound() && names::global(p.name) == global.name);
+                .chain(absent)
+                .find(|p| names::global(p.name) == global.name);
             self.at(
                 global,
                 None,
                 match hidden {
+                    Some(port) if port.optional => format!(
+                        "port `{0}` is not bound here; put `@if({0})` before the global and what uses it",
+                        port.name
+                    ),
                     Some(port) => format!(
                         "port `{}` is not seen by devices, so no global may have its name",
                         port.name
@@ -95,7 +107,7 @@ impl Report<'_> {
                 },
             );
         }
-        self.bindings(&globals);
+        self.bindings(&globals, absent);
         self.limits(kernel, workgroup, &globals);
     }
 
@@ -207,7 +219,9 @@ impl Report<'_> {
         }
     }
 
-    fn bindings(&mut self, globals: &[Global]) {
+    /// Bindings are dense, but for the optional ports that are not bound.
+    fn bindings(&mut self, globals: &[Global], absent: &[Port]) {
+        let mut gaps = absent.iter().filter(|p| p.access.is_bound()).count() as u32;
         let mut next = 0;
         for global in globals {
             if global.group != 0 {
@@ -221,7 +235,10 @@ impl Report<'_> {
                 );
                 continue;
             }
-            if global.binding != next {
+            let skipped = global.binding.checked_sub(next);
+            if let Some(skipped) = skipped.filter(|skipped| *skipped <= gaps) {
+                gaps -= skipped;
+            } else {
                 let Global { name, binding, .. } = global;
                 self.at(
                     global,

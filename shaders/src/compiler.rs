@@ -2,7 +2,7 @@
 use crate::compose::{Composed, File, Place, Target, compose};
 use crate::validate::{capabilities, validate};
 use crate::{ShaderError, names};
-use gibs_graph::WgslSource;
+use gibs_graph::{Port, WgslSource};
 use naga::back::{pipeline_constants, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::ModuleInfo;
@@ -20,7 +20,7 @@ pub struct Compiler {
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Key {
     name: &'static str,
-    features: &'static [&'static str],
+    features: Vec<&'static str>,
     text: &'static str,
     modules: &'static [(&'static str, &'static str)],
 }
@@ -47,17 +47,23 @@ impl Compiler {
         Self::default()
     }
 
-    /// Composes, parses and validates a kernel.
+    /// Composes, parses and validates a kernel for a stage with these bound ports: the optional ones among them are
+    /// features of it.
     ///
     /// # Errors
     /// The first problem, with its place in the original files.
-    pub fn compile(&self, source: &WgslSource) -> Result<CompiledKernel, ShaderError> {
+    pub fn compile(
+        &self,
+        source: &WgslSource,
+        ports: &[Port],
+    ) -> Result<CompiledKernel, ShaderError> {
         let WgslSource {
             name,
             text,
             modules,
-            features,
+            ..
         } = *source;
+        let features = gibs_graph::features(source, ports);
         let key = Key {
             name,
             features,
@@ -74,7 +80,7 @@ impl Compiler {
             return Ok(kernel);
         }
         let kernel = CompiledKernel {
-            inner: Arc::new(Inner::new(source)?),
+            inner: Arc::new(Inner::new(source, &key.features)?),
         };
         self.compiled
             .lock()
@@ -85,7 +91,7 @@ impl Compiler {
 }
 
 impl Inner {
-    fn new(source: &WgslSource) -> Result<Self, ShaderError> {
+    fn new(source: &WgslSource, features: &[&'static str]) -> Result<Self, ShaderError> {
         let name = source.name;
         let modules: Vec<File<'_>> = source
             .modules
@@ -95,15 +101,13 @@ impl Inner {
         let composed = compose(
             &File::new(name, source.text),
             &modules,
-            source.features,
+            features,
             Target::Naga,
         )?;
         let (module, info) =
-            validate(&composed, capabilities(source.features)).map_err(|source| {
-                ShaderError::Wgsl {
-                    kernel: name.into(),
-                    source,
-                }
+            validate(&composed, capabilities(features)).map_err(|source| ShaderError::Wgsl {
+                kernel: name.into(),
+                source,
             })?;
         let resolved = if module.overrides.is_empty() {
             None

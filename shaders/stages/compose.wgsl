@@ -1,5 +1,6 @@
 // The picture: indirect irradiance of each pixel, and its radiance.
-import package::environment::environment_radiance;
+import package::direct::direct_irradiance;
+import package::sky::sky_radiance;
 import package::invocation::invocation_index;
 import package::surface::{surface_albedo, surface_is_surface};
 import package::types::{DispatchArgs, Frame, Gathered, Ray, SurfacePoint};
@@ -8,9 +9,9 @@ import package::types::{DispatchArgs, Frame, Gathered, Ray, SurfacePoint};
 @group(0) @binding(1) var<uniform> frame: Frame;
 @group(0) @binding(2) var<storage, read> rays: array<Ray>;
 @group(0) @binding(3) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(4) var<storage, read> direct: array<vec4<f32>>;
+@if(direct) @group(0) @binding(4) var<storage, read> direct: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> gathered: array<Gathered>;
-@group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
+@if(environment) @group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> irradiance: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> color: array<vec4<f32>>;
 
@@ -33,13 +34,13 @@ fn main(
     }
     let point = points[i];
     if !surface_is_surface(point) {
-        let sky = environment_radiance(frame.environment_side, rays[i].direction);
+        let sky = sky_radiance(frame.environment_side, rays[i].direction);
         irradiance[i] = vec4<f32>(0.0);
         color[i] = vec4<f32>(sky, 0.0);
         return;
     }
     let indirect = complete(gathered[i]);
-    let all = indirect + direct[i].xyz;
+    let all = indirect + direct_irradiance(i);
     let radiance = point.emission + surface_albedo(point) * FRAC_1_PI * all;
     irradiance[i] = vec4<f32>(indirect, gathered[i].weight);
     color[i] = vec4<f32>(radiance, 1.0);

@@ -14,7 +14,7 @@ import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDept
 @group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> entries: array<u32>;
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
 @group(0) @binding(9) var<storage, read_write> unseen: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read_write> candidates: array<u32>;
 @group(0) @binding(11) var<storage, read_write> flags: array<u32>;

@@ -17,7 +17,7 @@ import package::types::{
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(8) var<storage, read> births: array<SurfelBirth>;
 @group(0) @binding(9) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(10) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(10) var<storage, read> depths: array<SurfelDepth>;
 @group(0) @binding(11) var<storage, read_write> gathered: array<Gathered>;
 
 @compute @workgroup_size(64)

@@ -9,11 +9,11 @@ import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, Sur
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
 @group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(2) var<storage, read> offsets: array<u32>;
-@group(0) @binding(3) var<storage, read> rays: array<Ray>;
-@group(0) @binding(4) var<storage, read> hits: array<Hit>;
+@if(rays) @group(0) @binding(3) var<storage, read> rays: array<Ray>;
+@if(hits) @group(0) @binding(4) var<storage, read> hits: array<Hit>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
 @group(0) @binding(6) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
 
 const PI: f32 = 3.1415927;
 
@@ -24,6 +24,26 @@ fn depth_index(x: f32) -> u32 {
 
 /// Rays after which a texel's share of a new distance has halved from all.
 const DEPTH_SETTLES: f32 = 32.0;
+
+/// The distance of a ray into the depth function of its surfel, which has had `samples` before.
+@if(depths && rays && hits)
+fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
+    let diameter = 2.0 * pose.radius;
+    let local = sampling_to_local(rays[ray].direction, pose.normal);
+    let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
+    let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
+    // Compared before it is divided: the distance of a miss over the diameter would overflow.
+    var t = 1.0;
+    if hits[ray].t < diameter {
+        t = hits[ray].t / diameter;
+    }
+    let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
+    let old = lookup_moments(depths[surfel].texels[texel]);
+    let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
+    depths[surfel].texels[texel] = lookup_pack_moments(new_moments);
+}
+@else
+fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {}
 
 @compute @workgroup_size(64)
 fn main(
@@ -41,23 +61,11 @@ fn main(
         return;
     }
     let pose = poses[i];
-    let diameter = 2.0 * pose.radius;
     let before = irradiance[i].samples;
     var sum = vec3<f32>(0.0);
     for (var ray = first; ray < last; ray++) {
         sum += radiance[ray].xyz;
-        let local = sampling_to_local(rays[ray].direction, pose.normal);
-        let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
-        let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
-        // Compared before it is divided: the distance of a miss over the diameter would overflow.
-        var t = 1.0;
-        if hits[ray].t < diameter {
-            t = hits[ray].t / diameter;
-        }
-        let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(before + (ray - first))));
-        let old = lookup_moments(depths[i].texels[texel]);
-        let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
-        depths[i].texels[texel] = lookup_pack_moments(new_moments);
+        update_depth(i, ray, pose, before + (ray - first));
     }
     let count = last - first;
     let sample = sum * (PI / f32(count));

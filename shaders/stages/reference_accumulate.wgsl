@@ -1,5 +1,6 @@
 // What a segment found, weighted by the balance heuristic, and whether its path goes on: Russian roulette by the
 // largest albedo. A finished path is one sample of its pixel.
+import package::direct::direct_irradiance;
 import package::emitter::{emitter_density, emitter_sky_share};
 import package::environment::{environment_solid_angle_per_area, environment_texel};
 import package::estimator::estimator_luminance;
@@ -13,7 +14,7 @@ import package::vector::{vector_dot, vector_max_element};
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
 @group(0) @binding(2) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(3) var<storage, read> direct: array<vec4<f32>>;
+@if(direct) @group(0) @binding(3) var<storage, read> direct: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> emitter_samples: array<LightSample>;
 @group(0) @binding(5) var<storage, read> emitter_visible: array<u32>;
 @group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
@@ -69,7 +70,7 @@ fn main(
         arriving += emitter_samples[i].irradiance;
     }
     if path.segment > 1u {
-        arriving += direct[i].xyz;
+        arriving += direct_irradiance(i);
     }
     let direction = rays[i].direction;
     let point = points[i];

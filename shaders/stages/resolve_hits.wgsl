@@ -15,7 +15,7 @@ import package::vector::{vector_cross, vector_dot, vector_normalize};
 @group(0) @binding(4) var<storage, read> instances: array<Instance>;
 @group(0) @binding(5) var<storage, read> corners: array<Corners>;
 @group(0) @binding(6) var<storage, read> materials: array<Material>;
-@group(0) @binding(7) var<storage, read> texels: array<u32>;
+@if(texels) @group(0) @binding(7) var<storage, read> texels: array<u32>;
 @group(0) @binding(8) var<storage, read_write> points: array<SurfacePoint>;
 
 // Magnitude of the numbers that made a position: where each coordinate's rounding error comes from.

@@ -1,5 +1,6 @@
 // Radiance that comes back along each ray, and which paths go on.
-import package::environment::environment_radiance;
+import package::direct::direct_irradiance;
+import package::sky::sky_radiance;
 import package::hash::{hash_pcg, hash_unit};
 import package::invocation::invocation_index;
 import package::surface::{surface_albedo, surface_is_surface};
@@ -10,9 +11,9 @@ import package::vector::vector_max_element;
 @group(0) @binding(1) var<uniform> frame: Frame;
 @group(0) @binding(2) var<storage, read> rays: array<Ray>;
 @group(0) @binding(3) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(4) var<storage, read> direct: array<vec4<f32>>;
+@if(direct) @group(0) @binding(4) var<storage, read> direct: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read> gathered: array<Gathered>;
-@group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
+@if(environment) @group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> paths: array<Path>;
 @group(0) @binding(8) var<storage, read_write> radiance: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read_write> goes_on: array<u32>;
@@ -38,7 +39,7 @@ fn main(
         let largest = vector_max_element(albedo);
         let seed = hash_pcg(path.seed);
         let trusted = gathered[i].weight * gathered[i].confidence;
-        var arriving = direct[i].xyz;
+        var arriving = direct_irradiance(i);
         if path.remaining == 0u {
             // The path ends here: all that the surfels know, and the cell's average for what they leave.
             arriving += gathered[i].irradiance + gathered[i].average * (1.0 - gathered[i].weight);
@@ -52,7 +53,7 @@ fn main(
         }
         added = point.emission + albedo * FRAC_1_PI * arriving;
     } else {
-        added = environment_radiance(frame.environment_side, rays[i].direction);
+        added = sky_radiance(frame.environment_side, rays[i].direction);
     }
     let sum = radiance[path.root];
     radiance[path.root] = sum + vec4<f32>(path.throughput * added, 0.0);

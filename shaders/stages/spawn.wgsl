@@ -20,8 +20,18 @@ import package::vector::vector_normalize;
 @group(0) @binding(7) var<storage, read_write> births: array<SurfelBirth>;
 @group(0) @binding(8) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(9) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
 @group(0) @binding(11) var<storage, read_write> unseen: array<u32>;
+
+/// Both moments one: the depth function at the diameter everywhere.
+@if(depths)
+fn open_depth_function(slot: u32) {
+    for (var texel = 0u; texel < 16u; texel++) {
+        depths[slot].texels[texel] = 0xffffffffu;
+    }
+}
+@else
+fn open_depth_function(slot: u32) {}
 
 @compute @workgroup_size(64)
 fn main(
@@ -49,8 +59,5 @@ fn main(
     poses[slot] = SurfelPose(point.position, radius, normal, identity);
     irradiance[slot] = SurfelIrradiance();
     unseen[slot] = 0u;
-    // Both moments one: the depth function at the diameter everywhere.
-    for (var texel = 0u; texel < 16u; texel++) {
-        depths[slot].texels[texel] = 0xffffffffu;
-    }
+    open_depth_function(slot);
 }

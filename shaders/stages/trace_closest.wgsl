@@ -7,9 +7,9 @@ import package::types::{BvhNode, Corners, DispatchArgs, Hit, Instance, Material,
 @group(0) @binding(1) var<storage, read> nodes: array<BvhNode>;
 @group(0) @binding(2) var<storage, read> triangles: array<Triangle>;
 @group(0) @binding(3) var<storage, read> instances: array<Instance>;
-@group(0) @binding(4) var<storage, read> corners: array<Corners>;
-@group(0) @binding(5) var<storage, read> materials: array<Material>;
-@group(0) @binding(6) var<storage, read> texels: array<u32>;
+@if(corners) @group(0) @binding(4) var<storage, read> corners: array<Corners>;
+@if(materials) @group(0) @binding(5) var<storage, read> materials: array<Material>;
+@if(texels) @group(0) @binding(6) var<storage, read> texels: array<u32>;
 @group(0) @binding(7) var<storage, read> rays: array<Ray>;
 @group(0) @binding(8) var<storage, read_write> hits: array<Hit>;
 

@@ -56,11 +56,16 @@ fn why(needs: &[Need]) -> String {
             let count = need.stages.len();
             let _ = writeln!(
                 text,
-                "{title}: {}, because of {}\n  {count} stages, {megabytes:.1} MB",
-                need.name, need.reason
+                "{title}: {}, because of {}\n  {count} stages, {} bindings of others, {megabytes:.1} MB",
+                need.name,
+                need.reason,
+                need.bindings.len()
             );
             for stage in &need.stages {
                 let _ = writeln!(text, "    {stage}");
+            }
+            for binding in &need.bindings {
+                let _ = writeln!(text, "    {binding} (binding)");
             }
         }
     }

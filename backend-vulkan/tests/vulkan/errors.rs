@@ -47,7 +47,7 @@ fn a_port_without_a_binding_is_named() {
 #[test]
 fn a_resource_beyond_the_limit_is_named() {
     watched(|backend| {
-        let len = backend.device().max_binding / 4 + 1;
+        let len = backend.capabilities().storage_binding / 4 + 1;
         let mut g = Graph::new("large");
         let source = g.input("huge/source", len);
         let target_ = g.transient("target", 4);

@@ -50,7 +50,7 @@ fn record(g: &mut Graph, frame: SurfelOutputs) {
 }
 
 fn check<S: Stage>(shaders: &impl ShaderCompiler) -> Result<(), GraphErrors> {
-    let (graph, ports) = ("custom_stage".into(), S::ports());
+    let (graph, ports) = ("custom_stage".into(), S::ports(), &[]);
     let checked = shaders.check(S::NAME, &S::kernel(), &ports);
     checked.map_err(|errors| GraphErrors { graph, errors })?;
     println!(

@@ -153,6 +153,7 @@ mod tests {
                 label: (*label).into(),
                 stage: "None",
                 ports: Vec::new(),
+                absent: Vec::new(),
                 kernel,
                 bindings: Vec::new(),
                 dispatch: crate::graph::DispatchDecl::Groups([1; 3]),

@@ -94,6 +94,7 @@ pub(super) fn lay_out(
             stage: stage.stage,
             kernel: stage.kernel,
             ports: stage.ports.clone(),
+            absent: stage.absent.iter().map(|(slot, _)| *slot).collect(),
             bindings,
             size,
         };

@@ -76,7 +76,7 @@ impl Graph {
     }
 }
 
-/// Stages of one type have one kernel, so the first of each speaks for all.
+/// Stages of one type with the same ports have one kernel, so the first of each speaks for all.
 fn check_shaders(
     graph: &Graph,
     order: &[usize],
@@ -86,8 +86,10 @@ fn check_shaders(
     let mut seen = HashSet::new();
     for &i in order {
         let stage = &graph.stages[i];
-        if seen.insert((stage.kernel.wgsl.name, stage.stage))
-            && let Err(found) = shaders.check(&stage.label, &stage.kernel, &stage.ports)
+        let absent: Vec<_> = stage.absent.iter().map(|(_, port)| port.clone()).collect();
+        let names: Vec<_> = absent.iter().map(|port| port.name).collect();
+        if seen.insert((stage.kernel.wgsl.name, stage.stage, names))
+            && let Err(found) = shaders.check(&stage.label, &stage.kernel, &stage.ports, &absent)
         {
             errors.extend(found);
         }

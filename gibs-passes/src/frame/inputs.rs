@@ -23,6 +23,12 @@ pub struct SceneSizes {
     environment: u64,
     wide_nodes: u64,
     wide_packets: u64,
+    /// Some material has a texture.
+    pub(super) textured: bool,
+    /// Some triangle has an alpha test.
+    pub(super) cut_outs: bool,
+    /// Light comes from the sky.
+    pub(super) sky: bool,
 }
 
 impl SceneSizes {
@@ -40,12 +46,33 @@ impl SceneSizes {
             environment: scene.environment.texels.len() as u64,
             wide_nodes: scene.wide.nodes.len() as u64,
             wide_packets: scene.wide.packets.len() as u64,
+            textured: scene
+                .materials
+                .iter()
+                .any(|m| m.base_texels != NONE || m.emission_texels != NONE),
+            cut_outs: scene.tree.triangles.iter().any(Triangle::needs_alpha_test),
+            sky: !scene.environment.is_black(),
         }
     }
 
     /// The same with another number of lights.
     pub fn with_lights(self, lights: u64) -> Self {
         Self { lights, ..self }
+    }
+
+    /// The same with or without light from the sky.
+    pub fn with_sky(self, sky: bool) -> Self {
+        Self { sky, ..self }
+    }
+
+    /// The same with or without textures.
+    pub fn with_textures(self, textured: bool) -> Self {
+        Self { textured, ..self }
+    }
+
+    /// The same with or without triangles that have an alpha test.
+    pub fn with_cut_outs(self, cut_outs: bool) -> Self {
+        Self { cut_outs, ..self }
     }
 
     /// Number of lights.
@@ -75,6 +102,7 @@ pub struct SceneInputs {
     pub camera: Buffer<Camera>,
     pub frame: Buffer<Frame>,
     pub pixels: Buffer<DispatchArgs>,
+    sizes: SceneSizes,
 }
 
 impl SceneInputs {
@@ -95,7 +123,25 @@ impl SceneInputs {
             camera: g.input("camera", 1),
             frame: g.input("frame", 1),
             pixels: g.input("pixels", 1),
+            sizes: *sizes,
         }
+    }
+
+    /// What the alpha test needs: corners and materials; `None` in a scene without cut-outs.
+    pub fn cut_outs(&self) -> Option<(&Buffer<Corners>, &Buffer<Material>)> {
+        self.sizes
+            .cut_outs
+            .then_some((&self.corners, &self.materials))
+    }
+
+    /// Texels; `None` in a scene without textures.
+    pub fn textures(&self) -> Option<&Buffer<u32>> {
+        self.sizes.textured.then_some(&self.texels)
+    }
+
+    /// The environment; `None` under a black sky.
+    pub fn sky(&self) -> Option<&Buffer<Vec4>> {
+        self.sizes.sky.then_some(&self.environment)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a scene and its settings need of the frame, and what that costs: a frame has stages and buffers for its needs
 //! only.
-use super::{SceneSizes, SurfelFrame, surfel_frame};
-use gibs_graph::{Graph, GraphErrors, Schedule};
+use super::{SceneSizes, Settings, SurfelFrame, surfel_frame};
+use gibs_graph::{Graph, GraphErrors, Port, Schedule};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -16,6 +16,8 @@ pub struct Need {
     pub reason: String,
     /// Stages that it adds, or would add.
     pub stages: Vec<String>,
+    /// Bindings that it adds, or would add, to stages that are there without it, as `stage.port`.
+    pub bindings: Vec<String>,
     /// Bytes of device memory that it adds, or would add; negative where memory is shared better with it.
     pub bytes: i64,
 }
@@ -28,38 +30,70 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
     let here = record(frame, sizes)?;
     let settings = &frame.settings;
     let lights = sizes.lights();
-    let lit = sizes.with_lights(if lights > 0 { 0 } else { 1 });
-    let mut other_paths = frame.clone();
-    other_paths.settings.continuations = if settings.continuations > 0 { 0 } else { 8 };
-    let mut other_queries = frame.clone();
-    other_queries.settings.queries = if settings.queries > 0 { 0 } else { 1024 };
     let counted = |count: u64, what: &str| match count {
         0 => format!("no {what}"),
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
     };
+    let has = |present: bool, what: &str| match present {
+        true => format!("the scene has {what}"),
+        false => format!("the scene has no {what}"),
+    };
+    let scene = |name, present, reason, other: SceneSizes| {
+        Ok::<_, GraphErrors>(need(name, present, reason, &here, &record(frame, &other)?))
+    };
+    let setting = |name, present, reason, change: &dyn Fn(&mut Settings)| {
+        let mut other = frame.clone();
+        change(&mut other.settings);
+        Ok::<_, GraphErrors>(need(name, present, reason, &here, &record(&other, sizes)?))
+    };
+    let (paths, queries) = (settings.continuations, settings.queries);
     Ok(vec![
-        need(
+        scene(
             "direct light",
             lights > 0,
             counted(lights, "light of the scene or the view"),
-            &here,
-            &record(frame, &lit)?,
-        ),
-        need(
+            sizes.with_lights(if lights > 0 { 0 } else { 1 }),
+        )?,
+        scene(
+            "sky",
+            sizes.sky,
+            has(sizes.sky, "light from the sky"),
+            sizes.with_sky(!sizes.sky),
+        )?,
+        scene(
+            "textures",
+            sizes.textured,
+            has(sizes.textured, "textures"),
+            sizes.with_textures(!sizes.textured),
+        )?,
+        scene(
+            "cut-outs",
+            sizes.cut_outs,
+            has(sizes.cut_outs, "surfaces with an alpha test"),
+            sizes.with_cut_outs(!sizes.cut_outs),
+        )?,
+        setting(
+            "depth functions",
+            settings.depth,
+            format!(
+                "the setting depth = {}",
+                if settings.depth { "on" } else { "off" }
+            ),
+            &|other| other.depth = !other.depth,
+        )?,
+        setting(
             "paths beyond a hit",
-            settings.continuations > 0,
-            format!("the setting continuations = {}", settings.continuations),
-            &here,
-            &record(&other_paths, sizes)?,
-        ),
-        need(
+            paths > 0,
+            format!("the setting continuations = {paths}"),
+            &|other| other.continuations = if paths > 0 { 0 } else { 8 },
+        )?,
+        setting(
             "irradiance at points",
-            settings.queries > 0,
-            format!("the setting queries = {}", settings.queries),
-            &here,
-            &record(&other_queries, sizes)?,
-        ),
+            queries > 0,
+            format!("the setting queries = {queries}"),
+            &|other| other.queries = if queries > 0 { 0 } else { 1024 },
+        )?,
     ])
 }
 
@@ -91,11 +125,30 @@ fn need(
         .map(|(_, step, _)| step.label.clone())
         .filter(|label| !left_out.contains(label))
         .collect();
+    let bound = |schedule: &Schedule| -> BTreeSet<String> {
+        let steps = schedule.dispatches();
+        let ports = steps.flat_map(|(_, step, dispatch)| {
+            let name = |port: &Port| format!("{}.{}", step.label, port.name);
+            dispatch.ports.iter().map(name).collect::<Vec<_>>()
+        });
+        ports.collect()
+    };
+    let fewer = bound(without);
+    let bindings = with
+        .dispatches()
+        .filter(|(_, step, _)| left_out.contains(&step.label))
+        .flat_map(|(_, step, dispatch)| {
+            let ports = dispatch.ports.iter();
+            ports.map(|port| format!("{}.{}", step.label, port.name))
+        })
+        .filter(|name| !fewer.contains(name))
+        .collect();
     Need {
         name,
         present,
         reason,
         stages,
+        bindings,
         bytes: with.bytes(false) as i64 - without.bytes(false) as i64,
     }
 }

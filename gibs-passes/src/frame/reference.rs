@@ -31,7 +31,7 @@ pub struct ReferenceUpdate {
 }
 
 /// Records the frame that finds the primary surface of every pixel and its direct light from `per_point` lights. Its
-/// outputs are `rays`, `points` and `direct`.
+/// outputs are `rays`, `points` and, with lights, `direct`.
 pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes, per_point: u32) {
     let scene = SceneInputs::declare(g, sizes);
     let most = u64::from(size[0]) * u64::from(size[1]);
@@ -44,7 +44,9 @@ pub fn gbuffer_frame(g: &mut Graph, size: [u32; 2], sizes: &SceneSizes, per_poin
     let direct = direct_light(g, "gbuffer", "_direct", &scene, per_point, &batch, &points);
     g.output("rays", &rays);
     g.output("points", &points);
-    g.output("direct", &direct);
+    if let Some(direct) = &direct {
+        g.output("direct", direct);
+    }
 }
 
 /// Records one segment of every pixel's path. The input `primary` takes the points of [`gbuffer_frame`]; outputs are
@@ -128,7 +130,7 @@ pub fn reference_frame(
             frame: &scene.frame,
             rays: &scattered.rays,
             points: &points,
-            direct: &direct,
+            direct: direct.as_ref(),
             emitter_samples: &sampled.samples,
             emitter_visible: &visible,
             environment: &scene.environment,

@@ -215,12 +215,10 @@ impl Settings {
             ray_budget: self.rays,
             radius_pixels: self.radius,
             coverage: self.coverage,
-            use_depth: u32::from(self.depth),
             lookup: self.lookup,
             depth_blend: self.depth_blend,
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
-            ..SurfelSettings::default()
         }
     }
 }

@@ -52,6 +52,7 @@ pub(crate) fn surfaces(
     batch: &Batch<'_>,
     rays: &Buffer<Ray>,
 ) -> (Buffer<Hit>, Buffer<SurfacePoint>) {
+    let cut_outs = scene.cut_outs();
     let hits = g.transient(&format!("{group}_hits{suffix}"), batch.most);
     let hits = g
         .add::<trace_closest::TraceClosest>(
@@ -61,9 +62,9 @@ pub(crate) fn surfaces(
                 nodes: &scene.nodes,
                 triangles: &scene.triangles,
                 instances: &scene.instances,
-                corners: &scene.corners,
-                materials: &scene.materials,
-                texels: &scene.texels,
+                corners: cut_outs.map(|(corners, _)| corners),
+                materials: cut_outs.map(|(_, materials)| materials),
+                texels: cut_outs.and(scene.textures()),
                 rays,
                 hits,
                 wide_nodes: &scene.wide_nodes,
@@ -84,7 +85,7 @@ pub(crate) fn surfaces(
                 instances: &scene.instances,
                 corners: &scene.corners,
                 materials: &scene.materials,
-                texels: &scene.texels,
+                texels: scene.textures(),
                 points,
             },
             batch.dispatch(),
@@ -102,6 +103,7 @@ pub(crate) fn visibility(
     batch: &Batch<'_>,
     rays: &Buffer<Ray>,
 ) -> Buffer<u32> {
+    let cut_outs = scene.cut_outs();
     let visible = g.transient(&format!("{group}_visible{suffix}"), batch.most);
     g.add::<trace_any::TraceAny>(
         &format!("{group}/shadow{suffix}"),
@@ -110,9 +112,9 @@ pub(crate) fn visibility(
             nodes: &scene.nodes,
             triangles: &scene.triangles,
             instances: &scene.instances,
-            corners: &scene.corners,
-            materials: &scene.materials,
-            texels: &scene.texels,
+            corners: cut_outs.map(|(corners, _)| corners),
+            materials: cut_outs.map(|(_, materials)| materials),
+            texels: cut_outs.and(scene.textures()),
             rays,
             visible,
             wide_nodes: &scene.wide_nodes,
@@ -123,7 +125,7 @@ pub(crate) fn visibility(
     .visible
 }
 
-/// Irradiance at each point from punctual lights and the sun. A scene without lights has no stage for it.
+/// Irradiance at each point from punctual lights and the sun; `None` in a scene without.
 pub(crate) fn direct_light(
     g: &mut Graph,
     group: &str,
@@ -132,9 +134,9 @@ pub(crate) fn direct_light(
     per_point: u32,
     batch: &Batch<'_>,
     points: &Buffer<SurfacePoint>,
-) -> Buffer<Vec4> {
+) -> Option<Buffer<Vec4>> {
     if per_point == 0 {
-        return g.zeroed(&format!("{group}_direct{suffix}"), batch.most);
+        return None;
     }
     let lights = g.transient(&format!("{group}_light_batch{suffix}"), 1);
     let inputs = light_batch::Inputs {
@@ -168,7 +170,7 @@ pub(crate) fn direct_light(
     );
     let visible = visibility(g, group, suffix, scene, &light_batch, &sampled.rays);
     let direct = g.transient(&format!("{group}_direct{suffix}"), batch.most);
-    g.add::<gather_direct::GatherDirect>(
+    let gathered = g.add::<gather_direct::GatherDirect>(
         &format!("{group}/gather_direct{suffix}"),
         gather_direct::Inputs {
             batch: batch.args,
@@ -178,6 +180,6 @@ pub(crate) fn direct_light(
             direct,
         },
         batch.dispatch(),
-    )
-    .direct
+    );
+    Some(gathered.direct)
 }

@@ -52,7 +52,7 @@ pub struct Scene {
 }
 
 /// One element of the hierarchy.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Node {
     /// Name for reports; may be empty.
     pub name: String,

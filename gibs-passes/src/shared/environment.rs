@@ -11,9 +11,12 @@ pub fn texel(map: &[Vec4], side: u32, direction: Vec3) -> Vec4 {
     map[(at(p.y) * side + at(p.x)) as usize]
 }
 
-/// Radiance that arrives from a direction, without interpolation between texels.
+/// Radiance that arrives from a direction, without interpolation between texels; black without a map.
 #[inline]
 pub fn radiance(map: &[Vec4], side: u32, direction: Vec3) -> Vec3 {
+    if map.is_empty() {
+        return Vec3::ZERO;
+    }
     texel(map, side, direction).truncate()
 }
 

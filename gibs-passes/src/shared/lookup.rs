@@ -136,7 +136,7 @@ pub struct Surfels<'a> {
     pub entries: &'a [u32],
     /// Where surfels are.
     pub poses: &'a [SurfelPose],
-    /// Their depth functions.
+    /// Their depth functions; empty in a frame without.
     pub depths: &'a [SurfelDepth],
     /// The grid of the cells.
     pub grid: &'a GridShape,
@@ -173,7 +173,7 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut
         let pose = &s.poses[id];
         let d = point - pose.position;
         let mut weight = falloff(d, pose) * alignment(normal, pose);
-        if weight > 0.0 && s.settings.use_depth != 0 {
+        if weight > 0.0 && !s.depths.is_empty() {
             weight *= visibility(&s.depths[id], pose, d);
         }
         sum += weight;
@@ -191,7 +191,7 @@ pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> 
     let entries = s.around(point);
     let irradiance = light.irradiance;
     let share = |id: usize, d: Vec3| {
-        if s.settings.use_depth != 0 {
+        if !s.depths.is_empty() {
             visibility(&s.depths[id], &s.poses[id], d)
         } else {
             1.0

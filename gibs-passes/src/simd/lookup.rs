@@ -397,7 +397,7 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
 fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let entries = s.around(point);
     let (point, normal) = (all(point), all(normal));
-    let use_depth = s.settings.use_depth != 0;
+    let use_depth = !s.depths.is_empty();
     let mut pending = Pending::EMPTY;
     let mut total = 0.0;
     let mut sum = |id: usize, weight: f32| {
@@ -432,7 +432,7 @@ fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gath
     let irradiance = light.irradiance;
     let entries = s.around(point);
     let (point, normal) = (all(point), all(normal));
-    let use_depth = s.settings.use_depth != 0;
+    let use_depth = !s.depths.is_empty();
     let mut pending = Pending::EMPTY;
     let mut g = Gathered::default();
     let mut sum = |id: usize, weight: f32| {

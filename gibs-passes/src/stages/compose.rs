@@ -1,4 +1,5 @@
 //! `apply/compose`: the picture.
+use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, Gathered, Ray, SurfacePoint};
 use crate::shared::{environment, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
@@ -16,9 +17,9 @@ stage! {
             uniform frame: Frame,
             read rays: Ray,
             read points: SurfacePoint,
-            read direct: Vec4,
+            optional_read direct: Vec4,
             read gathered: Gathered,
-            read environment: Vec4,
+            optional_read environment: Vec4,
             write irradiance: Vec4,
             write color: Vec4,
         },
@@ -47,7 +48,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let indirect = complete(&p.gathered[i]);
-        let all = indirect + p.direct[i].truncate();
+        let all = indirect + direct_irradiance(&p.direct, i);
         let color = point.emission + surface::albedo(point) * FRAC_1_PI * all;
         p.irradiance.set(i, indirect.extend(p.gathered[i].weight));
         p.color.set(i, color.extend(1.0));

@@ -24,7 +24,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            read depths: SurfelDepth,
+            optional_read depths: SurfelDepth,
             atomic unseen: u32,
             write candidates: u32,
             write flags: u32,

@@ -20,6 +20,12 @@ stage! {
     }
 }
 
+/// Irradiance of element `i` from the sun and the lights, W/m^2; none in a frame without `direct`.
+#[inline]
+pub fn direct_irradiance(direct: &[Vec4], i: usize) -> Vec3 {
+    direct.get(i).map_or(Vec3::ZERO, |d| d.truncate())
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let each = p.frame.lights_per_point as usize;
     for i in group.range(p.batch.count) {

@@ -25,7 +25,7 @@ stage! {
             read poses: SurfelPose,
             read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
-            read depths: SurfelDepth,
+            optional_read depths: SurfelDepth,
             write gathered: Gathered,
         },
         cpu: kernel,

@@ -18,11 +18,11 @@ stage! {
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
             read offsets: u32,
-            read rays: Ray,
-            read hits: Hit,
+            optional_read rays: Ray,
+            optional_read hits: Hit,
             read radiance: Vec4,
             read_write irradiance: SurfelIrradiance,
-            read_write depths: SurfelDepth,
+            optional_read_write depths: SurfelDepth,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -53,23 +53,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         if first == last {
             continue;
         }
-        let pose = &p.poses[i];
-        let mut sum = Vec3::ZERO;
-        let mut depth = p.depths.get(i);
-        let before = p.irradiance.get(i).samples;
-        for ray in first..last {
-            sum += p.radiance[ray].truncate();
-            let local = sampling::to_local(p.rays[ray].direction, pose.normal);
-            let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
-            let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
-            let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
-            let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
-            let blend = depth_blend(before + (ray - first) as u32, p.settings.depth_blend);
-            let old = moments(depth.texels[texel]);
-            let new = old + (Vec2::new(t, t * t) - old) * blend;
-            depth.texels[texel] = pack_moments(new);
+        let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
+        if !p.depths.is_empty() {
+            update_depth(p, i, first..last);
         }
-        p.depths.set(i, depth);
         let rays = (last - first) as u32;
         let sample = sum * (PI / rays as f32);
         let clamp = p.settings.clamp != 0;
@@ -78,4 +65,24 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             estimator::update(&p.irradiance.get(i), sample, rays, clamp),
         );
     }
+}
+
+/// The distances of rays into the depth function of their surfel.
+#[inline(always)]
+fn update_depth(p: &Views<'_>, surfel: usize, rays: std::ops::Range<usize>) {
+    let pose = &p.poses[surfel];
+    let before = p.irradiance.get(surfel).samples;
+    let mut depth = p.depths.get(surfel);
+    for ray in rays.clone() {
+        let local = sampling::to_local(p.rays[ray].direction, pose.normal);
+        let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
+        let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
+        let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
+        let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
+        let blend = depth_blend(before + (ray - rays.start) as u32, p.settings.depth_blend);
+        let old = moments(depth.texels[texel]);
+        let new = old + (Vec2::new(t, t * t) - old) * blend;
+        depth.texels[texel] = pack_moments(new);
+    }
+    p.depths.set(surfel, depth);
 }

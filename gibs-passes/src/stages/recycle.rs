@@ -21,7 +21,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            read depths: SurfelDepth,
+            optional_read depths: SurfelDepth,
             read counters: SurfelCounters,
             read unseen: u32,
             write gone: u32,

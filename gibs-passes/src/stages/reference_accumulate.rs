@@ -1,4 +1,5 @@
 //! `reference/accumulate`: what a segment found, and whether its path goes on.
+use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, LightSample, NONE, Ray, ReferencePath, SurfacePoint};
 use crate::shared::{emitter, environment, estimator, hash, octahedral, surface};
 use gibs_graph::{Workgroup, stage};
@@ -17,7 +18,7 @@ stage! {
             uniform frame: Frame,
             read rays: Ray,
             read points: SurfacePoint,
-            read direct: Vec4,
+            optional_read direct: Vec4,
             read emitter_samples: LightSample,
             read emitter_visible: u32,
             read environment: Vec4,
@@ -46,7 +47,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             arriving += p.emitter_samples[i].irradiance;
         }
         if path.segment > 1 {
-            arriving += p.direct[i].truncate();
+            arriving += direct_irradiance(&p.direct, i);
         }
         let direction = p.rays[i].direction;
         let point = &p.points[i];

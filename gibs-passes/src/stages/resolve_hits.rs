@@ -20,7 +20,7 @@ stage! {
             read instances: Instance,
             read corners: Corners,
             read materials: Material,
-            read texels: u32,
+            optional_read texels: u32,
             write points: SurfacePoint,
         },
         cpu: kernel,

@@ -1,4 +1,5 @@
 //! `persistent/shade_hits`: radiance that comes back along each ray, and which paths go on (I2).
+use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, Gathered, Path, Ray, SurfacePoint};
 use crate::shared::{environment, hash, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
@@ -19,9 +20,9 @@ stage! {
             uniform frame: Frame,
             read rays: Ray,
             read points: SurfacePoint,
-            read direct: Vec4,
+            optional_read direct: Vec4,
             read gathered: Gathered,
-            read environment: Vec4,
+            optional_read environment: Vec4,
             read_write paths: Path,
             read_write radiance: Vec4,
             write goes_on: u32,
@@ -42,7 +43,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let largest = albedo.max_element();
             let seed = hash::pcg(path.seed);
             let trusted = gathered.weight * gathered.confidence;
-            let mut arriving = p.direct[i].truncate();
+            let mut arriving = direct_irradiance(&p.direct, i);
             if path.remaining == 0 {
                 // The path ends here: all that the surfels know, and the cell's average for what they leave.
                 arriving += gathered.irradiance + gathered.average * (1.0 - gathered.weight);

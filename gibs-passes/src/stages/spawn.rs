@@ -26,7 +26,7 @@ stage! {
             write births: SurfelBirth,
             write poses: SurfelPose,
             write irradiance: SurfelIrradiance,
-            write depths: SurfelDepth,
+            optional_write depths: SurfelDepth,
             write unseen: u32,
         },
         cpu: kernel,
@@ -67,11 +67,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         );
         p.irradiance.set(slot, SurfelIrradiance::default());
         p.unseen.set(slot, 0);
-        p.depths.set(
-            slot,
-            SurfelDepth {
+        if !p.depths.is_empty() {
+            let open = SurfelDepth {
                 texels: [u32::MAX; 16],
-            },
-        );
+            };
+            p.depths.set(slot, open);
+        }
     }
 }

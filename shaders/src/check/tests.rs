@@ -294,6 +294,7 @@ fn port(access: Access, element: Layout) -> Port {
         access,
         element,
         image: None,
+        optional: false,
     }
 }
 
@@ -477,6 +478,7 @@ fn many(count: u32, space: &str, access: Access) -> Vec<String> {
         access,
         element: Layout::Vector(Scalar::U32, 4),
         image: None,
+        optional: false,
     };
     check(text, &names.iter().map(port).collect::<Vec<_>>())
 }
@@ -573,6 +575,7 @@ fn image(ty: &str, body: &str, format: ImageFormat) -> Vec<String> {
         access,
         element: format.value(),
         image: Some(format),
+        optional: false,
     };
     check(text, &[port])
 }

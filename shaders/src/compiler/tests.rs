@@ -23,14 +23,16 @@ fn source(
 
 fn error(text: &'static str) -> String {
     Compiler::new()
-        .compile(&source(text, MATH, &[]))
+        .compile(&source(text, MATH, &[]), &[])
         .unwrap_err()
         .to_string()
 }
 
 #[test]
 fn a_kernel_tells_its_text_bindings_and_size() {
-    let kernel = Compiler::new().compile(&source(DOUBLE, MATH, &[])).unwrap();
+    let kernel = Compiler::new()
+        .compile(&source(DOUBLE, MATH, &[]), &[])
+        .unwrap();
     assert!(kernel.wgsl().contains("fn twice"));
     assert!(!kernel.wgsl().contains("import"));
     assert_eq!(kernel.workgroup_size(), [64, 2, 1]);
@@ -41,17 +43,18 @@ fn a_kernel_tells_its_text_bindings_and_size() {
 #[test]
 fn what_is_compiled_is_remembered_by_text_and_features() {
     let compiler = Compiler::new();
-    let first = compiler.compile(&source(DOUBLE, MATH, &[])).unwrap();
-    let second = compiler.compile(&source(DOUBLE, MATH, &[])).unwrap();
+    let first = compiler.compile(&source(DOUBLE, MATH, &[]), &[]).unwrap();
+    let second = compiler.compile(&source(DOUBLE, MATH, &[]), &[]).unwrap();
     assert!(Arc::ptr_eq(&first.inner, &second.inner));
-    let other = compiler.compile(&source(DOUBLE, MATH, &["F"])).unwrap();
+    let other = compiler
+        .compile(&source(DOUBLE, MATH, &["F"]), &[])
+        .unwrap();
     assert!(!Arc::ptr_eq(&first.inner, &other.inner));
     let other = compiler
-        .compile(&source(
-            "@compute @workgroup_size(1) fn main() {}",
-            MATH,
+        .compile(
+            &source("@compute @workgroup_size(1) fn main() {}", MATH, &[]),
             &[],
-        ))
+        )
         .unwrap();
     assert_eq!(other.workgroup_size(), [1, 1, 1]);
 }
@@ -73,7 +76,9 @@ fn spirv_has_the_version_entry_point_and_bindings() {
     const ENTRY_POINT: u32 = 15;
     const EXECUTION_MODE: u32 = 16;
     const DECORATE: u32 = 71;
-    let kernel = Compiler::new().compile(&source(DOUBLE, MATH, &[])).unwrap();
+    let kernel = Compiler::new()
+        .compile(&source(DOUBLE, MATH, &[]), &[])
+        .unwrap();
     for version in [(1, 3), (1, 4), (1, 6)] {
         let words = kernel.spirv(version).unwrap();
         assert_eq!(words[0], 0x0723_0203);
@@ -113,7 +118,9 @@ fn spirv_has_the_version_entry_point_and_bindings() {
 #[test]
 fn overrides_take_their_defaults() {
     let text = "override size = 32;\n@compute @workgroup_size(size * 2) fn main() {}";
-    let kernel = Compiler::new().compile(&source(text, &[], &[])).unwrap();
+    let kernel = Compiler::new()
+        .compile(&source(text, &[], &[]), &[])
+        .unwrap();
     assert_eq!(kernel.workgroup_size(), [64, 1, 1]);
     assert!(kernel.spirv((1, 4)).is_ok());
     let error = error("override size: u32;\n@compute @workgroup_size(size) fn main() {}");
@@ -134,7 +141,9 @@ fn constant_vectors_are_of_their_parts() {
 @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
     textureStore(shown, at.xy, textureLoad(seen, at.xy, 0) + textureLoad(seen, vec2<i32>(at.yx), 0));
 }";
-    let kernel = Compiler::new().compile(&source(load, &[], &[])).unwrap();
+    let kernel = Compiler::new()
+        .compile(&source(load, &[], &[]), &[])
+        .unwrap();
     let words = kernel.spirv((1, 4)).unwrap();
     let code = instructions(&words);
     let of = |kind: u32| code.iter().filter(move |(op, _)| *op == kind);
@@ -162,32 +171,32 @@ fn features_ask_for_more_than_webgpu() {
     let compiler = Compiler::new();
     assert_eq!(
         compiler
-            .compile(&source(RAYS, &[], &[]))
+            .compile(&source(RAYS, &[], &[]), &[])
             .unwrap()
             .binding("scene"),
         None
     );
     let kernel = compiler
-        .compile(&source(RAYS, &[], &["RAY_QUERY"]))
+        .compile(&source(RAYS, &[], &["RAY_QUERY"]), &[])
         .unwrap();
     assert_eq!(kernel.binding("scene"), Some(0));
     assert!(kernel.spirv((1, 4)).is_ok());
     let always = "enable wgpu_ray_query;\n@group(0) @binding(0) var scene: acceleration_structure;
 @compute @workgroup_size(1) fn main() { _ = &scene; }";
-    assert!(compiler.compile(&source(always, &[], &[])).is_err());
+    assert!(compiler.compile(&source(always, &[], &[]), &[]).is_err());
     let half = "enable f16;\n@compute @workgroup_size(1) fn main() { var x = 1h; }";
-    assert!(compiler.compile(&source(half, &[], &[])).is_err());
-    assert!(compiler.compile(&source(half, &[], &["F16"])).is_ok());
+    assert!(compiler.compile(&source(half, &[], &[]), &[]).is_err());
+    assert!(compiler.compile(&source(half, &[], &["F16"]), &[]).is_ok());
     let group =
         "enable subgroups;\n@compute @workgroup_size(1) fn main() { var x = subgroupAdd(1u); }";
-    assert!(compiler.compile(&source(group, &[], &[])).is_err());
+    assert!(compiler.compile(&source(group, &[], &[]), &[]).is_err());
     assert!(
         compiler
-            .compile(&source(group, &[], &["SUBGROUPS"]))
+            .compile(&source(group, &[], &["SUBGROUPS"]), &[])
             .is_ok()
     );
     let pack = "@compute @workgroup_size(1) fn main() { var x = pack2x16float(vec2<f32>(1.0)); }";
-    assert!(compiler.compile(&source(pack, &[], &[])).is_ok());
+    assert!(compiler.compile(&source(pack, &[], &[]), &[]).is_ok());
 }
 
 #[test]
@@ -203,7 +212,7 @@ fn errors_of_naga_name_the_original_file() {
     let text =
         "import package::deep::broken::f;\n@compute @workgroup_size(1) fn main() { _ = f(); }";
     let in_module = Compiler::new()
-        .compile(&source(text, BROKEN, &[]))
+        .compile(&source(text, BROKEN, &[]), &[])
         .unwrap_err()
         .to_string();
     assert!(

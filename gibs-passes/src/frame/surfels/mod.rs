@@ -29,7 +29,7 @@ pub struct SurfelFrame {
 /// Where the visible surfaces come from, and where the light goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Screen {
-    /// Rays find the surfaces. Outputs: `points`, `direct`, `irradiance` and `color`.
+    /// Rays find the surfaces. Outputs: `points`, `irradiance`, `color` and, with lights, `direct`.
     Traced,
     /// The engine's G-buffer holds them, in the imported images `host_depth`, `host_normal`, `host_albedo` and
     /// `host_ids`; indirect light goes to the exported image `host_indirect`. The input `host` says how, see
@@ -59,8 +59,8 @@ pub struct SurfelOutputs {
 pub enum Light {
     /// Of [`Screen::Traced`]: one element per pixel, outputs of the same names.
     Traced {
-        /// Irradiance from the sun and the lights, W/m^2; zero in a scene without.
-        direct: Buffer<Vec4>,
+        /// Irradiance from the sun and the lights, W/m^2; `None` in a scene without.
+        direct: Option<Buffer<Vec4>>,
         /// Indirect irradiance, W/m^2; in the last component, the summed weight of the surfels.
         irradiance: Buffer<Vec4>,
         /// The picture: radiance, W/(m^2 sr); in the last component, 1 on surfaces and 0 in the sky.
@@ -78,7 +78,8 @@ struct Surfels {
     births: Buffer<SurfelBirth>,
     poses: Buffer<SurfelPose>,
     irradiance: Buffer<SurfelIrradiance>,
-    depths: Buffer<SurfelDepth>,
+    /// Where depth functions guard against leaks.
+    depths: Option<Buffer<SurfelDepth>>,
     unseen: Buffer<u32>,
 }
 
@@ -87,16 +88,18 @@ struct SurfelStates {
     births: State<SurfelBirth>,
     poses: State<SurfelPose>,
     irradiance: State<SurfelIrradiance>,
-    depths: State<SurfelDepth>,
+    depths: Option<State<SurfelDepth>>,
     unseen: State<u32>,
 }
 
 impl Surfels {
-    fn declare(g: &mut Graph, capacity: u64) -> (SurfelStates, Self) {
+    fn declare(g: &mut Graph, capacity: u64, depth: bool) -> (SurfelStates, Self) {
         let (births_state, births) = g.state("surfel_births", capacity, Initial::Zero);
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
-        let (depths_state, depths) = g.state("surfel_depths", capacity, Initial::Zero);
+        let (depths_state, depths) = depth
+            .then(|| g.state("surfel_depths", capacity, Initial::Zero))
+            .unzip();
         let (unseen_state, unseen) = g.state("surfel_unseen", capacity, Initial::Zero);
         (
             SurfelStates {
@@ -120,7 +123,9 @@ impl Surfels {
         g.keep(states.births, self.births);
         g.keep(states.poses, self.poses);
         g.keep(states.irradiance, self.irradiance);
-        g.keep(states.depths, self.depths);
+        if let (Some(state), Some(depths)) = (states.depths, self.depths) {
+            g.keep(state, depths);
+        }
         g.keep(states.unseen, self.unseen);
     }
 }
@@ -148,7 +153,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let shape = g.input("grid", 1);
     let capacity = u64::from(settings.surfels);
     let per_point = settings.lights_per_point(sizes.lights());
-    let (states, surfels) = Surfels::declare(g, capacity);
+    let (states, surfels) = Surfels::declare(g, capacity, settings.depth);
     let counters = g.state(
         "surfel_counters",
         1,
@@ -256,8 +261,7 @@ fn answer(
         "query_gathered",
     );
     g.output("query_gathered", &gathered);
-    if per_point > 0 {
-        let direct = direct_light(g, "query", "", scene, per_point, &batch, &points);
+    if let Some(direct) = direct_light(g, "query", "", scene, per_point, &batch, &points) {
         g.output("query_direct", &direct);
     }
     g.output("grid_cells", &grid.cells);
@@ -290,7 +294,7 @@ fn gather(
             poses: &surfels.poses,
             births: &surfels.births,
             irradiance: &surfels.irradiance,
-            depths: &surfels.depths,
+            depths: surfels.depths.as_ref(),
             gathered,
         },
         batch.dispatch(),

@@ -106,9 +106,9 @@ pub(super) fn integrate_rays(
                 frame: &scene.frame,
                 rays,
                 points: &points,
-                direct: &direct,
+                direct: direct.as_ref(),
                 gathered: &gathered,
-                environment: &scene.environment,
+                environment: scene.sky(),
                 paths: segment.paths,
                 radiance,
                 goes_on,
@@ -130,15 +130,15 @@ pub(super) fn integrate_rays(
             &shaded.goes_on,
         );
     }
-    let hits = first_hits.unwrap_or_else(|| g.transient("no_hits", budget));
+    let has_depth = surfels.depths.is_some();
     let integrated = g.add::<integrate::Integrate>(
         "persistent/integrate",
         integrate::Inputs {
             settings: device_settings,
             poses: &surfels.poses,
             offsets: &allocated.offsets,
-            rays: &first_rays,
-            hits: &hits,
+            rays: has_depth.then_some(&first_rays),
+            hits: first_hits.as_ref().filter(|_| has_depth),
             radiance: &radiance,
             irradiance: surfels.irradiance,
             depths: surfels.depths,

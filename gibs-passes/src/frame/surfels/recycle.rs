@@ -26,7 +26,7 @@ pub(super) fn recycle(
             cells: &grid.cells,
             entries: &grid.entries,
             poses: &surfels.poses,
-            depths: &surfels.depths,
+            depths: surfels.depths.as_ref(),
             counters: &slots.counters,
             unseen: &surfels.unseen,
             gone,

@@ -137,16 +137,18 @@ pub(super) fn apply(
             frame: &scene.frame,
             rays: &rays,
             points: &points,
-            direct: &direct,
+            direct: direct.as_ref(),
             gathered: &gathered,
-            environment: &scene.environment,
+            environment: scene.sky(),
             irradiance,
             color,
         },
         pixel_batch.dispatch(),
     );
     g.output("points", &points);
-    g.output("direct", &direct);
+    if let Some(direct) = &direct {
+        g.output("direct", direct);
+    }
     g.output("irradiance", &composed.irradiance);
     g.output("color", &composed.color);
     Lit {

@@ -36,7 +36,7 @@ pub(super) fn spawn_surfels(
             cells: &grid.cells,
             entries: &grid.entries,
             poses: &surfels.poses,
-            depths: &surfels.depths,
+            depths: surfels.depths.as_ref(),
             unseen: surfels.unseen,
             candidates,
             flags,

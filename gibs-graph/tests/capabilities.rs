@@ -1,6 +1,8 @@
-//! One limit after the other, lowered by one.
-use super::*;
-use gibs_graph::{Dispatch, Float, Graph, Rgba8Unorm, WgslSource, Workgroup, stage};
+//! What a device allows, one limit after the other, lowered by one.
+use gibs_graph::{
+    Capabilities, Dispatch, Float, Graph, ImageFormat, Rgba8Unorm, Schedule, WgslSource, Workgroup,
+    stage,
+};
 
 stage! {
     /// Two storage buffers, a uniform, and an image of either kind.
@@ -38,71 +40,83 @@ fn schedule() -> Schedule {
     g.compile(None).unwrap()
 }
 
-type Lower = fn(&mut Limits);
+type Lower = fn(&mut Capabilities);
 
 /// Exactly what the schedule needs.
-fn enough() -> Limits {
-    Limits {
-        device: "test".into(),
-        storage_range: 400,
-        uniform_range: 16,
-        buffer: 400,
-        heap: 872,
-        storage_buffers: 2,
-        uniform_buffers: 1,
-        sampled_images: 1,
-        storage_images: 1,
-        image_side: 4,
-        formats: vec![ImageFormat::Float, ImageFormat::Rgba8Unorm],
-        group_size: [8, 4, 1],
-        group_lanes: 32,
-        group_count: [3, 2, 1],
-    }
+fn enough() -> Capabilities {
+    let mut enough = Capabilities::webgpu();
+    enough.storage_binding = 400;
+    enough.uniform_binding = 16;
+    enough.buffer = 400;
+    enough.memory = 872;
+    enough.storage_buffers = 2;
+    enough.uniform_buffers = 1;
+    enough.sampled_images = 1;
+    enough.stored_images = 1;
+    enough.image_side = 4;
+    enough.formats = vec![ImageFormat::Float, ImageFormat::Rgba8Unorm];
+    enough.workgroup_size = [8, 4, 1];
+    enough.workgroup_invocations = 32;
+    enough.workgroups = [3, 2, 1];
+    enough
 }
 
 #[test]
 fn one_less_of_anything_is_named() {
     let schedule = schedule();
-    enough().check(&schedule).unwrap();
+    enough().check("test", &schedule).unwrap();
     let cases: [(&str, Lower); 13] = [
-        ("resource `source` (bytes) needs 400", |l| {
-            l.storage_range -= 1
-        }),
-        ("resource `size` (bytes) needs 16", |l| l.uniform_range -= 1),
-        ("resource `source` (bytes) needs 400", |l| l.buffer -= 1),
+        (
+            "stage `group/small`, buffer `source` (bytes of a storage binding) needs 400",
+            |l| l.storage_binding -= 1,
+        ),
+        (
+            "stage `group/small`, buffer `size` (bytes of a uniform) needs 16",
+            |l| l.uniform_binding -= 1,
+        ),
+        (
+            "stage `group/small`, buffer `source` (bytes of a buffer) needs 400",
+            |l| l.buffer -= 1,
+        ),
         ("stage `group/small` (storage buffers) needs 2", |l| {
             l.storage_buffers -= 1
         }),
-        ("stage `group/small` (uniforms) needs 1", |l| {
+        ("stage `group/small` (uniform buffers) needs 1", |l| {
             l.uniform_buffers -= 1
         }),
         (
             "stage `group/small` (invocations per workgroup) needs 32",
-            |l| l.group_lanes -= 1,
+            |l| l.workgroup_invocations -= 1,
         ),
         (
             "stage `group/small` (workgroup size along y) needs 4",
-            |l| l.group_size[1] -= 1,
+            |l| l.workgroup_size[1] -= 1,
         ),
         ("stage `group/small` (workgroups along x) needs 3", |l| {
-            l.group_count[0] -= 1
+            l.workgroups[0] -= 1
         }),
         ("stage `group/small` (sampled images) needs 1", |l| {
             l.sampled_images -= 1
         }),
-        ("stage `group/small` (storage images) needs 1", |l| {
-            l.storage_images -= 1
+        ("stage `group/small` (stored images) needs 1", |l| {
+            l.stored_images -= 1
         }),
-        ("image `seen` (height) needs 4", |l| l.image_side -= 1),
-        ("image `shown`: the device `test` has no images of", |l| {
-            l.formats.truncate(1)
+        (
+            "stage `group/small`, image `seen` (texels along a side) needs 4",
+            |l| l.image_side -= 1,
+        ),
+        (
+            "stage `group/small`, image `shown`: the device `test` has no images of",
+            |l| l.formats.truncate(1),
+        ),
+        ("graph `small` (bytes of memory in all) needs 872", |l| {
+            l.memory -= 1
         }),
-        ("allocating 872 bytes for `small`", |l| l.heap -= 1),
     ];
     for (expected, lower) in cases {
         let mut limits = enough();
         lower(&mut limits);
-        let error = limits.check(&schedule).unwrap_err().to_string();
+        let error = limits.check("test", &schedule).unwrap_err().to_string();
         assert!(
             error.contains(expected) && error.contains("`test`"),
             "{error}"
