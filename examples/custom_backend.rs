@@ -11,8 +11,8 @@
 use gibs::graph::bytemuck::{self, Pod, Zeroable};
 use gibs::graph::{
     Access, Action, Backend, BackendError, Capabilities, DeviceInfo, DispatchArgs, DispatchSize,
-    DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, StepTime,
-    Workgroup, check_range,
+    DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, Workgroup,
+    check_range, check_step,
 };
 use gibs::passes::frame::Settings;
 use gibs::{Renderer, builtin};
@@ -55,6 +55,23 @@ impl Slot {
             writes: 0,
         })
     }
+
+    /// Takes over what one of a resource holds, which may be shorter.
+    fn begin_with(&mut self, old: &mut Slot, resource: &Resource) {
+        let old = [Some(&mut old.now), old.before.as_mut()];
+        for (new, old) in [Some(&mut self.now), self.before.as_mut()]
+            .into_iter()
+            .zip(old)
+        {
+            if let (Some(new), Some(old)) = (new, old) {
+                bytes_of(new, resource).copy_from_slice(bytes_of(old, resource));
+            }
+        }
+    }
+}
+
+fn slots(schedule: &Schedule) -> Result<Vec<Slot>, BackendError> {
+    schedule.resources.iter().map(Slot::new).collect()
 }
 
 /// What a resource holds before the first frame and after a reset.
@@ -79,8 +96,7 @@ fn bytes_of<'a>(lines: &'a mut [Line], resource: &Resource) -> &'a mut [u8] {
     &mut bytemuck::cast_slice_mut(lines)[..resource.bytes as usize]
 }
 
-/// What it runs on is what the CPU backend runs on.
-struct Counting(CpuBackend);
+struct Counting(CpuBackend); // which knows the machine
 
 impl Backend for Counting {
     fn name(&self) -> &str {
@@ -95,23 +111,9 @@ impl Backend for Counting {
         self.0.capabilities()
     }
 
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError> {
-        let slots = schedule.resources.iter().map(Slot::new);
-        let mut slots = slots.collect::<Result<Vec<_>, _>>()?;
-        if let Some(old) = adopt {
-            // An executable of another backend is an error, never a guess.
-            let foreign = |_| BackendError::ForeignExecutable {
-                backend: NAME.into(),
-            };
-            let mut old = old.into_any().downcast::<Run>().map_err(foreign)?;
-            for (from, to) in schedule.adoptions(&old.schedule) {
-                std::mem::swap(&mut slots[to as usize], &mut old.slots[from as usize]);
-            }
-        }
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
+        self.capabilities().check(NAME, &schedule)?;
+        let slots = slots(&schedule)?;
         Ok(Box::new(Run { schedule, slots }))
     }
 }
@@ -156,10 +158,8 @@ impl Run {
         };
         // Sizes that a kernel made are input like any other: refused, not believed.
         if count.iter().any(|&n| n > MAX_GROUPS) {
-            return Err(kernel_error(
-                label,
-                format!("asks for {count:?} workgroups"),
-            ));
+            let message = format!("asks for {count:?} workgroups");
+            return Err(kernel_error(label, message));
         }
         let mut views = Vec::new();
         for binding in dispatch.slots() {
@@ -229,11 +229,7 @@ impl Executable for Run {
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
-        if step >= self.schedule.steps.len() {
-            let name = self.schedule.name.clone();
-            return Err(kernel_error(&name, format!("there is no step {step}")));
-        }
-        self.step(step)
+        check_step(&self.schedule, step).and_then(|()| self.step(step))
     }
 
     fn read(&mut self, id: ResourceId) -> Result<Vec<u8>, BackendError> {
@@ -255,14 +251,15 @@ impl Executable for Run {
         Ok(())
     }
 
-    fn measure(&mut self, _: bool) {}
-
-    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
-        Ok(None)
-    }
-
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
+    fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
+        let mut slots = slots(&schedule)?;
+        // Nothing fails from here on, so that after an error all is as it was.
+        for (from, to) in schedule.adoptions(&self.schedule) {
+            let resource = &self.schedule.resources[from as usize];
+            slots[to as usize].begin_with(&mut self.slots[from as usize], resource);
+        }
+        (self.schedule, self.slots) = (schedule, slots);
+        Ok(())
     }
 }
 
@@ -275,8 +272,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         rays: 2000,
         ..Settings::default()
     };
-    let new = |backend: &dyn Backend| Renderer::new(backend, &scene, &view, SIZE, &settings, 0);
-    let (mut ours, mut theirs) = (new(&counting)?, new(&cpu)?);
+    let mut ours = Renderer::new(&counting, &scene, &view, SIZE, &settings, 0)?;
+    let mut theirs = Renderer::new(&cpu, &scene, &view, SIZE, &settings, 0)?;
     for _ in 0..FRAMES {
         ours.frame()?;
         theirs.frame()?;
@@ -284,8 +281,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let schedule = Arc::clone(ours.gi().schedule());
     let mut equal = true;
     for output in &schedule.outputs {
-        let same = ours.executable().read(output.resource)?
-            == theirs.executable().read(output.resource)?;
+        let expected = theirs.executable().read(output.resource)?;
+        let same = ours.executable().read(output.resource)? == expected;
         let verdict = if same { "equal to the bit" } else { "DIFFERS" };
         println!("{}: {verdict}", output.name);
         equal &= same;
@@ -295,10 +292,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut counted: Vec<_> = schedule.resources.iter().zip(&run.slots).collect();
     counted.sort_by_key(|(_, slot)| std::cmp::Reverse(slot.reads + slot.writes));
     for (resource, slot) in counted.iter().take(8) {
-        println!(
-            "{:>5} reads, {:>3} writes of {}",
-            slot.reads, slot.writes, resource.key
-        );
+        let (Slot { reads, writes, .. }, key) = (slot, &resource.key);
+        println!("{reads:>5} reads, {writes:>3} writes of {key}");
     }
     Ok(ExitCode::from(u8::from(!equal)))
 }

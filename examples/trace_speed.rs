@@ -165,7 +165,7 @@ fn print(title: &str, outcomes: &[Outcome], last_columns: &str, last: impl Fn(&O
 
 fn run(args: &Args) -> Result<(), Box<dyn Error>> {
     let (scene, view) = scene::load(&args.scene, args.view.as_deref())?;
-    let scene = gibs::renderer::device_scene(&scene, &view)?;
+    let scene = gibs::renderer::device_scene(&scene, &view, view.camera.position)?;
     let threads = rayon::current_num_threads();
     let embree = std::env::var_os("EMBREE_LIBRARY");
     let embree = embree

@@ -1,15 +1,19 @@
 //! Global illumination of a scene, apart from any device: what to run, and what to tell it each frame.
-use crate::renderer::{RenderError, check_size, compile, device_scene};
+mod change;
+
+use crate::query::{self, Irradiance};
+use crate::renderer::{RenderError, check_size, device_scene};
 use crate::view::View;
 use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
-    pixel_angle, surfel_frame, upload, upload_frame, upload_scene,
+    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelOutputs, needs, pixel_angle, upload,
+    upload_frame, upload_scene,
 };
 use gibs_passes::scene::{Camera, Scene};
 use gibs_passes::shared::grid::GridLayout;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// The images of an engine that a frame with [`Screen::Imported`] works on.
@@ -57,7 +61,7 @@ impl HostImage {
 /// let (scene, view) = gibs::builtin::by_name("cornell").ok_or("no such scene")?;
 /// let mut gi = Gi::new(&scene, &view, [64, 64], &Settings::default(), Screen::Imported)?;
 /// let backend = gibs_backend_cpu::CpuBackend::new(Default::default())?;
-/// let mut exec = backend.prepare(gi.schedule().clone(), None)?;
+/// let mut exec = backend.prepare(gi.schedule().clone())?;
 /// gi.upload_scene(exec.as_mut())?;
 /// gi.begin_frame(exec.as_mut(), &view.camera, Some(&HostGbuffer::perspective(0.1, None, true)))?;
 /// exec.run()?;
@@ -67,17 +71,26 @@ impl HostImage {
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug)]
 pub struct Gi {
-    scene: DeviceScene,
+    parts: Parts,
     schedule: Arc<Schedule>,
-    settings: Settings,
     screen: Screen,
-    size: [u32; 2],
     seed: u32,
     frame: u32,
+    extend: Box<Extend>,
+}
+
+/// What decides about the schedule, and may change.
+#[derive(Clone, Debug)]
+struct Parts {
+    scene: Arc<DeviceScene>,
+    settings: Settings,
+    size: [u32; 2],
     grid: GridLayout,
 }
+
+/// Records further stages after the frame.
+type Extend = dyn Fn(&mut Graph, SurfelOutputs) + Send + Sync;
 
 impl Gi {
     /// Prepares a scene as `view` sees it: its sun, environment and animation; and, of its camera, the place, which the
@@ -106,30 +119,24 @@ impl Gi {
         size: [u32; 2],
         settings: &Settings,
         screen: Screen,
-        extend: impl FnOnce(&mut Graph, SurfelOutputs),
+        extend: impl Fn(&mut Graph, SurfelOutputs) + Send + Sync + 'static,
     ) -> Result<Self, RenderError> {
         check_size(size)?;
         settings.check()?;
-        let scene = device_scene(scene, view)?;
-        let grid = settings.grid(pixel_angle(&view.camera, size));
-        let mut g = Graph::new("surfels");
-        let frame = SurfelFrame {
-            size,
-            grid,
+        let parts = Parts {
+            scene: Arc::new(device_scene(scene, view, view.camera.position)?),
             settings: settings.clone(),
-            screen,
+            size,
+            grid: settings.grid(pixel_angle(&view.camera, size)),
         };
-        let outputs = surfel_frame(&mut g, &frame, &SceneSizes::of(&scene));
-        extend(&mut g, outputs);
+        let extend = Box::new(extend);
         Ok(Self {
-            schedule: Arc::new(compile(g)?),
-            scene,
-            settings: settings.clone(),
+            schedule: parts.schedule(screen, extend.as_ref())?,
+            parts,
             screen,
-            size,
             seed: 0,
             frame: 0,
-            grid,
+            extend,
         })
     }
 
@@ -143,13 +150,8 @@ impl Gi {
     /// # Errors
     /// [`RenderError::Graph`].
     pub fn needs(&self) -> Result<Vec<Need>, RenderError> {
-        let frame = SurfelFrame {
-            size: self.size,
-            grid: self.grid,
-            settings: self.settings.clone(),
-            screen: self.screen,
-        };
-        Ok(needs(&frame, &SceneSizes::of(&self.scene))?)
+        let sizes = SceneSizes::of(&self.parts.scene);
+        Ok(needs(&self.parts.frame(self.screen), &sizes)?)
     }
 
     /// What a backend prepares.
@@ -164,7 +166,7 @@ impl Gi {
 
     /// The scene as the device has it.
     pub fn scene(&self) -> &DeviceScene {
-        &self.scene
+        &self.parts.scene
     }
 
     /// Frames begun so far, wrapping.
@@ -174,7 +176,7 @@ impl Gi {
 
     /// Width and height of the picture.
     pub fn size(&self) -> [u32; 2] {
-        self.size
+        self.parts.size
     }
 
     /// Writes geometry, materials, lights and the sky: once for each executable.
@@ -182,7 +184,24 @@ impl Gi {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn upload_scene(&self, exec: &mut dyn Executable) -> Result<(), RenderError> {
-        Ok(upload_scene(exec, &self.scene)?)
+        Ok(upload_scene(exec, &self.parts.scene)?)
+    }
+
+    /// Light at points on surfaces, or anywhere: indirect irradiance from the surfels of the last frame of `exec`, and
+    /// direct irradiance from the sun and the lights, drawn anew. Positions in the world, metres; normals of any length.
+    /// There is an answer per point, as many points at a time as the setting `queries` says. Waits for the device.
+    ///
+    /// # Errors
+    /// [`RenderError::Queries`] before the first frame, if the setting is 0, if the numbers of points and normals differ,
+    /// or if one of them is not finite;
+    /// [`RenderError::Backend`].
+    pub fn irradiance(
+        &self,
+        exec: &mut dyn Executable,
+        points: &[DVec3],
+        normals: &[Vec3],
+    ) -> Result<Vec<Irradiance>, RenderError> {
+        query::irradiance(exec, self, points, normals)
     }
 
     /// Writes what changes every frame: call it once before each frame is run or recorded. `host` says how to read an
@@ -206,20 +225,34 @@ impl Gi {
         }
         let update = FrameUpdate {
             camera,
-            size: self.size,
+            size: self.parts.size,
             number: self.frame,
             seed: self.seed,
-            grid: self.grid,
+            grid: self.parts.grid,
         };
-        upload_frame(exec, &self.scene, &self.settings, &update)?;
+        let Parts {
+            scene, settings, ..
+        } = &self.parts;
+        upload_frame(exec, scene, settings, &update)?;
         if let Some(host) = host {
             let host = HostGbuffer {
-                nodes: self.scene.transforms.len() as u32,
+                nodes: scene.transforms.len() as u32,
                 ..*host
             };
             upload(exec, "host", &[host])?;
         }
         self.frame = self.frame.wrapping_add(1);
         Ok(())
+    }
+}
+
+impl std::fmt::Debug for Gi {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gi")
+            .field("schedule", &self.schedule.name)
+            .field("settings", &self.parts.settings)
+            .field("size", &self.parts.size)
+            .field("frame", &self.frame)
+            .finish_non_exhaustive()
     }
 }

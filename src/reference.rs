@@ -61,7 +61,7 @@ pub fn reference(
     mut progress: impl FnMut(u32, u32),
 ) -> Result<(Picture, Certainty), RenderError> {
     check_size(options.size)?;
-    let device = device_scene(scene, view)?;
+    let device = device_scene(scene, view, view.camera.position)?;
     let sizes = SceneSizes::of(&device);
 
     let mut g = Graph::new("gbuffer");
@@ -75,7 +75,7 @@ pub fn reference(
         &sizes,
         settings.lights_per_point(sizes.lights()),
     );
-    let mut exec = backend.prepare(Arc::new(compile(g)?), None)?;
+    let mut exec = backend.prepare(Arc::new(compile(g)?))?;
     upload_scene(exec.as_mut(), &device)?;
     let grid = settings.grid(pixel_angle(&view.camera, options.size));
     let update = FrameUpdate {
@@ -96,7 +96,7 @@ pub fn reference(
 
     let mut g = Graph::new("reference");
     reference_frame(&mut g, options.size, &sizes, &device);
-    let mut exec = backend.prepare(Arc::new(compile(g)?), Some(exec))?;
+    exec.adopt(Arc::new(compile(g)?))?;
     upload_scene(exec.as_mut(), &device)?;
     if let Some(primary) = exec.schedule().resource("primary") {
         exec.upload(primary, 0, bytemuck::cast_slice(&points))?;

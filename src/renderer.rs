@@ -2,7 +2,7 @@
 use crate::channels::{read_output, set, surface_channels};
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
-use crate::query::{self, Irradiance};
+use crate::query::Irradiance;
 use crate::view::View;
 use gibs_graph::{Backend, BackendError, Element, Executable, Graph, GraphErrors, Schedule};
 use gibs_passes::accel::BuildError;
@@ -85,14 +85,14 @@ pub(crate) fn compile(g: Graph) -> Result<Schedule, GraphErrors> {
     g.compile(None)
 }
 
-/// Prepares a scene as `view` sees it; the floating origin is at the eye.
+/// Prepares a scene as `view` sees it, with the floating origin near `origin`.
 ///
 /// # Errors
 /// [`RenderError::Scene`].
-pub fn device_scene(scene: &Scene, view: &View) -> Result<DeviceScene, RenderError> {
+pub fn device_scene(scene: &Scene, view: &View, origin: DVec3) -> Result<DeviceScene, RenderError> {
     let pose = scene.pose(&view.animation);
-    // On a lattice, so that the origin does not depend on tiny changes of the camera.
-    let origin = (view.camera.position / 16.0).round() * 16.0;
+    // On a lattice, so that it does not depend on tiny changes of the camera.
+    let origin = (origin / 16.0).round() * 16.0;
     DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment).map_err(
         |source| RenderError::Scene {
             scene: scene.name.clone(),
@@ -142,11 +142,11 @@ impl Renderer {
         size: [u32; 2],
         settings: &Settings,
         seed: u32,
-        extend: impl FnOnce(&mut Graph, SurfelOutputs),
+        extend: impl Fn(&mut Graph, SurfelOutputs) + Send + Sync + 'static,
     ) -> Result<Self, RenderError> {
         let gi = Gi::extended(scene, view, size, settings, Screen::Traced, extend)?;
         let gi = gi.with_seed(seed);
-        let mut exec = backend.prepare(Arc::clone(gi.schedule()), None)?;
+        let mut exec = backend.prepare(Arc::clone(gi.schedule()))?;
         gi.upload_scene(exec.as_mut())?;
         Ok(Self {
             exec,
@@ -166,11 +166,65 @@ impl Renderer {
         Ok(())
     }
 
-    /// Looks from elsewhere from the next frame on. Everything that the surfels know stays. The floating origin and the
-    /// number of grid cells stay as well: for a place more than some kilometres away, or a much narrower field of view,
-    /// make a new renderer.
+    /// Looks from elsewhere from the next frame on. Everything that the surfels know stays. Where the camera has gone
+    /// some kilometres or has another field of view, [`Renderer::cut`] is better.
     pub fn set_camera(&mut self, camera: gibs_passes::scene::Camera) {
         self.view.camera = camera;
+    }
+
+    /// As [`Gi::cut`].
+    ///
+    /// # Errors
+    /// As [`Gi::cut`].
+    pub fn cut(&mut self, scene: &Scene, view: &View) -> Result<(), RenderError> {
+        self.gi.cut(self.exec.as_mut(), scene, view)?;
+        self.view = view.clone();
+        Ok(())
+    }
+
+    /// As [`Gi::shift_origin`].
+    ///
+    /// # Errors
+    /// As [`Gi::shift_origin`].
+    pub fn shift_origin(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        self.gi.shift_origin(self.exec.as_mut(), scene, &self.view)
+    }
+
+    /// As [`Gi::resize`].
+    ///
+    /// # Errors
+    /// As [`Gi::resize`].
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), RenderError> {
+        self.gi.resize(self.exec.as_mut(), size, &self.view.camera)
+    }
+
+    /// As [`Gi::set_settings`].
+    ///
+    /// # Errors
+    /// As [`Gi::set_settings`].
+    pub fn set_settings(&mut self, settings: &Settings) -> Result<(), RenderError> {
+        self.gi
+            .set_settings(self.exec.as_mut(), settings, &self.view.camera)
+    }
+
+    /// As [`Gi::set_lights`].
+    ///
+    /// # Errors
+    /// As [`Gi::set_lights`].
+    pub fn set_lights(&mut self, scene: &Scene, view: &View) -> Result<(), RenderError> {
+        self.gi.set_lights(self.exec.as_mut(), scene, view)?;
+        self.view = view.clone();
+        Ok(())
+    }
+
+    /// As [`Gi::set_scene`].
+    ///
+    /// # Errors
+    /// As [`Gi::set_scene`].
+    pub fn set_scene(&mut self, scene: &Scene, view: &View) -> Result<(), RenderError> {
+        self.gi.set_scene(self.exec.as_mut(), scene, view)?;
+        self.view = view.clone();
+        Ok(())
     }
 
     /// Waits for all frames.
@@ -196,20 +250,16 @@ impl Renderer {
         &self.gi.scene().warnings
     }
 
-    /// Light at points on surfaces, or anywhere: indirect irradiance from the surfels of the last frame, and direct
-    /// irradiance from the sun and the lights, drawn anew. Positions in the world, metres; unit normals. There is an
-    /// answer per point, as many points at a time as the setting `queries` says.
+    /// As [`Gi::irradiance`], after the last frame.
     ///
     /// # Errors
-    /// [`RenderError::Queries`] before the first frame, if the setting is 0, if the numbers of points and normals differ,
-    /// or if one of them is not finite;
-    /// [`RenderError::Backend`].
+    /// As [`Gi::irradiance`].
     pub fn irradiance(
         &mut self,
         points: &[DVec3],
         normals: &[Vec3],
     ) -> Result<Vec<Irradiance>, RenderError> {
-        query::irradiance(self.exec.as_mut(), &self.gi, points, normals)
+        self.gi.irradiance(self.exec.as_mut(), points, normals)
     }
 
     /// Counters of the surfels after the last frame, and list entries that did not fit the grid.

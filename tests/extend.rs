@@ -96,7 +96,9 @@ fn paint(p: &Views<'_>, _: Workgroup) {
     p.color.set(0, p.light[0]);
 }
 
-fn renderer(extend: impl FnOnce(&mut Graph, SurfelOutputs)) -> Result<Renderer, RenderError> {
+fn renderer(
+    extend: impl Fn(&mut Graph, SurfelOutputs) + Send + Sync + 'static,
+) -> Result<Renderer, RenderError> {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
     let (backend, settings) = (NullBackend::new(), common::settings(100));
     Renderer::extended(&backend, &scene, &view, [8, 8], &settings, 0, extend)

@@ -74,7 +74,7 @@ fn imported_with(
 
     let mut gi = Gi::new(&scene, &view, SIZE, &settings(RAYS), Screen::Imported).expect("a frame");
     let mut exec = backend
-        .prepare(gi.schedule().clone(), None)
+        .prepare(gi.schedule().clone())
         .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
     gi.upload_scene(exec.as_mut()).expect("uploaded");
     let eye = (view.camera.position - gi.scene().origin).as_vec3();
@@ -193,9 +193,7 @@ fn a_frame_that_imports_nothing_takes_no_description() {
         (Screen::Imported, None),
     ] {
         let mut gi = Gi::new(&scene, &view, SIZE, &settings(100), screen).expect("a frame");
-        let mut exec = cpu()
-            .prepare(gi.schedule().clone(), None)
-            .expect("prepares");
+        let mut exec = cpu().prepare(gi.schedule().clone()).expect("prepares");
         let error = gi
             .begin_frame(exec.as_mut(), &view.camera, host.as_ref())
             .expect_err("does not fit");
@@ -221,9 +219,7 @@ fn a_frame_that_nobody_described_runs() {
     for backend in all_backends() {
         for screen in [Screen::Traced, Screen::Imported] {
             let gi = Gi::new(&scene, &view, SIZE, &settings(100), screen).expect("a frame");
-            let mut exec = backend
-                .prepare(gi.schedule().clone(), None)
-                .expect("prepares");
+            let mut exec = backend.prepare(gi.schedule().clone()).expect("prepares");
             exec.run()
                 .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
             let rays: Vec<gibs::graph::DispatchArgs> = output(exec.as_mut(), "rays");

@@ -23,7 +23,7 @@ fn check_slots(renderer: &mut Renderer, place: &str) -> usize {
     let counters: Vec<SurfelCounters> = state(exec, "surfel_counters");
     let stack: Vec<u32> = state(exec, "surfel_free_slots");
     let poses: Vec<SurfelPose> = state(exec, "surfel_poses");
-    let free = &stack[..counters[0].free as usize];
+    let free = &stack[counters[0].live as usize..];
     let distinct: BTreeSet<u32> = free.iter().copied().collect();
     assert_eq!(distinct.len(), free.len(), "{place}: a slot is free twice");
     let dead: BTreeSet<u32> = (0..)

@@ -1,20 +1,19 @@
 //! Running the steps of a schedule.
-use crate::Options;
+use crate::Shared;
 use crate::memory::Allocation;
 use crate::order::shuffled;
 use gibs_graph::{
     Access, Action, BackendError, DispatchArgs, DispatchSize, DispatchStep, Executable, MAX_GROUPS,
-    RawView, ResourceId, Schedule, StepTime, Workgroup, WriteMap, check_image, check_range,
+    RawView, Resource, ResourceId, Schedule, StepTime, Workgroup, WriteMap, check_image,
+    check_range, check_step,
 };
 use rayon::prelude::*;
-use std::any::Any;
 use std::sync::Arc;
 use std::time::Instant;
 
 pub(crate) struct CpuExecutable {
     schedule: Arc<Schedule>,
-    pool: Arc<rayon::ThreadPool>,
-    options: Options,
+    shared: Arc<Shared>,
     /// Of each resource; empty for one that is at home elsewhere.
     allocations: Vec<Allocation>,
     /// Room for the views of one step; empty between steps.
@@ -27,30 +26,13 @@ pub(crate) struct CpuExecutable {
 }
 
 impl CpuExecutable {
-    pub fn new(
-        schedule: Arc<Schedule>,
-        pool: Arc<rayon::ThreadPool>,
-        options: Options,
-        old: Option<CpuExecutable>,
-    ) -> Result<Self, BackendError> {
-        let mut adopted: Vec<Option<Allocation>> =
-            schedule.resources.iter().map(|_| None).collect();
-        if let Some(mut old) = old {
-            let mut kept: Vec<_> = old.allocations.drain(..).map(Some).collect();
-            for (from, to) in schedule.adoptions(&old.schedule) {
-                adopted[to as usize] = kept[from as usize].take();
-            }
-        }
-        let allocations = schedule
-            .resources
-            .iter()
-            .zip(adopted)
-            .map(|(resource, kept)| kept.map_or_else(|| Allocation::new(resource), Ok))
-            .collect::<Result<_, _>>()?;
+    pub fn new(schedule: Arc<Schedule>, shared: Arc<Shared>) -> Result<Self, BackendError> {
+        shared.capabilities.check(&shared.device.name, &schedule)?;
+        let resources = schedule.resources.iter();
+        let allocations = resources.map(Allocation::new).collect::<Result<_, _>>()?;
         Ok(Self {
             schedule,
-            pool,
-            options,
+            shared,
             allocations,
             views: Vec::new(),
             measure: false,
@@ -162,11 +144,11 @@ impl CpuExecutable {
             });
         }
         let kernel = match dispatch.kernel.cpu_wide {
-            Some(wide) if !self.options.scalar => wide,
+            Some(wide) if !self.shared.options.scalar => wide,
             _ => dispatch.kernel.cpu,
         };
         let size = dispatch.kernel.workgroup;
-        let shuffle = self.options.checked;
+        let shuffle = self.shared.options.checked;
         let run = |i: u32| {
             let i = if shuffle { shuffled(i, total) } else { i };
             let id = [
@@ -181,7 +163,7 @@ impl CpuExecutable {
             1 => run(0),
             _ => {
                 // Enough pieces to balance, few enough that a piece is worth a thread's while.
-                let least = (total as usize / (self.pool.current_num_threads() * 16)).max(1);
+                let least = (total as usize / (self.shared.pool.current_num_threads() * 16)).max(1);
                 (0..total).into_par_iter().with_min_len(least).for_each(run);
             }
         }
@@ -200,7 +182,7 @@ impl CpuExecutable {
 
     /// When checking, a map per binding that is written without atomics; otherwise nothing.
     fn maps(&self, dispatch: &DispatchStep) -> Vec<Option<WriteMap>> {
-        if !self.options.checked {
+        if !self.shared.options.checked {
             return Vec::new();
         }
         let bindings = dispatch.bindings.iter();
@@ -250,20 +232,14 @@ impl Executable for CpuExecutable {
     /// Enters the pool once: what is parallel within the frame then starts from one of its threads, which costs less
     /// than entering per step.
     fn run(&mut self) -> Result<(), BackendError> {
-        let pool = Arc::clone(&self.pool);
-        pool.install(|| self.frame())
+        let shared = Arc::clone(&self.shared);
+        shared.pool.install(|| self.frame())
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
-        let steps = self.schedule.steps.len();
-        if step >= steps {
-            return Err(BackendError::Kernel {
-                stage: self.schedule.name.clone(),
-                message: format!("there is no step {step}; the schedule has {steps}"),
-            });
-        }
-        let pool = Arc::clone(&self.pool);
-        pool.install(|| self.step(step))
+        check_step(&self.schedule, step)?;
+        let shared = Arc::clone(&self.shared);
+        shared.pool.install(|| self.step(step))
     }
 
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
@@ -291,7 +267,38 @@ impl Executable for CpuExecutable {
         Ok(self.times.clone())
     }
 
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
+    fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
+        let capabilities = &self.shared.capabilities;
+        capabilities.check(&self.shared.device.name, &schedule)?;
+        let mut taken = vec![None; schedule.resources.len()];
+        for (from, to) in schedule.adoptions(&self.schedule) {
+            taken[to as usize] = Some(from as usize);
+        }
+        // Everything that can fail comes before anything is taken.
+        let allocate = |(resource, from): (&Resource, &Option<usize>)| match from {
+            Some(from) if self.allocations[*from].bytes() as u64 == resource.room => Ok(None),
+            _ => Allocation::new(resource).map(Some),
+        };
+        let resources = schedule.resources.iter().zip(&taken);
+        let made = resources
+            .map(allocate)
+            .collect::<Result<Vec<_>, BackendError>>()?;
+        let mut old: Vec<_> = self.allocations.drain(..).map(Some).collect();
+        let places = made.into_iter().zip(taken);
+        self.allocations = places
+            .filter_map(|(made, from)| {
+                let old = from.and_then(|from| old[from].take());
+                match (made, old) {
+                    (Some(mut made), Some(old)) => {
+                        made.begin_with(&old);
+                        Some(made)
+                    }
+                    (made, old) => made.or(old),
+                }
+            })
+            .collect();
+        self.schedule = schedule;
+        self.times = None;
+        Ok(())
     }
 }

@@ -11,7 +11,6 @@ mod order;
 use gibs_graph::{
     Backend, BackendError, Capabilities, DeviceInfo, Executable, MAX_GROUPS, Schedule,
 };
-use std::any::Any;
 use std::sync::Arc;
 
 /// How the backend runs.
@@ -28,8 +27,14 @@ pub struct Options {
 /// The processor as a backend.
 #[derive(Debug)]
 pub struct CpuBackend {
+    shared: Arc<Shared>,
+}
+
+/// What a backend and its executables have in common.
+#[derive(Debug)]
+struct Shared {
     options: Options,
-    pool: Arc<rayon::ThreadPool>,
+    pool: rayon::ThreadPool,
     device: DeviceInfo,
     capabilities: Capabilities,
 }
@@ -62,13 +67,14 @@ impl CpuBackend {
             ],
         };
         let mut capabilities = Capabilities::unlimited();
-        capabilities.buffer = isize::MAX as u64;
         capabilities.workgroups = [MAX_GROUPS; 3];
         Ok(Self {
-            options,
-            pool: Arc::new(pool),
-            device,
-            capabilities,
+            shared: Arc::new(Shared {
+                options,
+                pool,
+                device,
+                capabilities,
+            }),
         })
     }
 }
@@ -79,37 +85,17 @@ impl Backend for CpuBackend {
     }
 
     fn device(&self) -> &DeviceInfo {
-        &self.device
+        &self.shared.device
     }
 
     fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
+        &self.shared.capabilities
     }
 
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError> {
-        let old = match adopt {
-            None => None,
-            Some(old) => {
-                match (old.into_any() as Box<dyn Any>).downcast::<executable::CpuExecutable>() {
-                    Ok(old) => Some(*old),
-                    Err(_) => {
-                        return Err(BackendError::ForeignExecutable {
-                            backend: "cpu".into(),
-                        });
-                    }
-                }
-            }
-        };
-        self.capabilities.check(&self.device.name, &schedule)?;
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
         Ok(Box::new(executable::CpuExecutable::new(
             schedule,
-            Arc::clone(&self.pool),
-            self.options,
-            old,
+            Arc::clone(&self.shared),
         )?))
     }
 }

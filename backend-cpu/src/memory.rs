@@ -107,6 +107,22 @@ impl Allocation {
         Ok(made)
     }
 
+    /// Bytes of each of them.
+    pub fn bytes(&self) -> usize {
+        self.current.bytes
+    }
+
+    /// Takes over what a shorter one holds.
+    pub fn begin_with(&mut self, old: &Self) {
+        let old = [Some(&old.current), old.previous.as_ref()];
+        let new = [Some(&mut self.current), self.previous.as_mut()];
+        for (new, old) in new.into_iter().zip(old) {
+            if let (Some(new), Some(old)) = (new, old) {
+                new.bytes_mut()[..old.bytes].copy_from_slice(old.bytes());
+            }
+        }
+    }
+
     /// Sets states and histories to their initial value.
     pub fn reset(&mut self, kind: &Kind) {
         if let Kind::State(initial) | Kind::History(initial) = kind {

@@ -240,7 +240,7 @@ fn memory_that_is_not_there_is_an_error() {
     let mut g = Graph::new("test");
     let huge = g.input::<u32>("huge", u64::MAX / 2);
     g.output("huge", &huge);
-    let result = backend(Options::default()).prepare(compile(g), None);
+    let result = backend(Options::default()).prepare(compile(g));
     let text = result.err().unwrap().to_string();
     let want = format!(
         "out of memory on `cpu` allocating {} bytes for `huge`; ",

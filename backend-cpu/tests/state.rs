@@ -3,11 +3,7 @@ mod common;
 
 use common::*;
 use gibs_backend_cpu::Options;
-use gibs_graph::{
-    Backend, BackendError, Dispatch, Executable, Graph, Initial, ResourceId, Schedule, StepTime,
-};
-use std::any::Any;
-use std::sync::Arc;
+use gibs_graph::{Backend, BackendError, Dispatch, Executable, Graph, Initial};
 
 const LEN: u64 = 100;
 
@@ -107,14 +103,13 @@ fn a_new_schedule_adopts_what_agrees() {
         ..Options::default()
     });
     for frames in [1, 2] {
-        let mut old = backend.prepare(compile(growing(LEN)), None).unwrap();
+        let mut old = backend.prepare(compile(growing(LEN))).unwrap();
         upload(&mut *old, "step", &[3]);
         run(&mut *old, frames);
-        // Another length of `total`: that one starts anew, the others go on.
-        let mut new = backend
-            .prepare(compile(growing(LEN + 1)), Some(old))
-            .unwrap();
-        assert_eq!(read(&mut *new, "total"), vec![5; LEN as usize + 1]);
+        let mut new = old;
+        new.adopt(compile(growing(LEN - 1))).unwrap();
+        // A shorter `total` starts anew, the others go on.
+        assert_eq!(read(&mut *new, "total"), vec![5; LEN as usize - 1]);
         assert_eq!(read(&mut *new, "age"), ages(frames));
         run(&mut *new, 1);
         assert_eq!(read(&mut *new, "total")[0], 8);
@@ -129,7 +124,7 @@ fn a_new_schedule_adopts_what_agrees() {
         };
         let now = again.add::<advance::Advance>("advance", inputs, all()).now;
         let step = again.input("step", 1);
-        let (total_state, total) = again.state("total", LEN + 1, Initial::fill(5_u32));
+        let (total_state, total) = again.state("total", LEN - 1, Initial::fill(5_u32));
         let inputs = accumulate::Inputs { step: &step, total };
         let total = again
             .add::<accumulate::Accumulate>("accumulate", inputs, all())
@@ -138,57 +133,47 @@ fn a_new_schedule_adopts_what_agrees() {
         again.output("age", &now);
         again.keep(total_state, total);
         again.keep(age_state, now);
-        let mut again = backend.prepare(compile(again), Some(new)).unwrap();
+        new.adopt(compile(again)).unwrap();
+        let mut again = new;
         run(&mut *again, 1);
         assert_eq!(read(&mut *again, "total")[0], 11);
         assert_eq!(read(&mut *again, "age"), ages(frames + 2));
     }
 }
 
-/// An executable of another backend.
-struct Foreign(Arc<Schedule>);
-
-impl Executable for Foreign {
-    fn schedule(&self) -> &Arc<Schedule> {
-        &self.0
-    }
-    fn upload(&mut self, _: ResourceId, _: u64, _: &[u8]) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn run(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn run_step(&mut self, _: usize) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn read(&mut self, _: ResourceId) -> Result<Vec<u8>, BackendError> {
-        Ok(Vec::new())
-    }
-    fn reset(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn wait(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn measure(&mut self, _: bool) {}
-    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
-        Ok(None)
-    }
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
-    }
+/// What is longer goes on at its front.
+#[test]
+fn state_that_grows_keeps_what_it_held() {
+    let mut exec = prepare(growing(3));
+    upload(&mut *exec, "step", &[3]);
+    run(&mut *exec, 1);
+    exec.adopt(compile(growing(5))).unwrap();
+    assert_eq!(read(&mut *exec, "total"), [8, 8, 8, 5, 5]);
+    exec.adopt(compile(growing(4))).unwrap();
+    assert_eq!(
+        read(&mut *exec, "total"),
+        [5; 4],
+        "what is shorter starts anew"
+    );
 }
 
+/// A schedule that cannot be had leaves everything as it was.
 #[test]
-fn state_of_another_backend_is_not_adopted() {
-    let schedule = compile(growing(LEN));
-    let foreign = Box::new(Foreign(Arc::clone(&schedule)));
-    let error = backend(Options::default())
-        .prepare(schedule, Some(foreign))
-        .err()
-        .unwrap();
-    let want = "state can only be adopted from an executable of the cpu backend itself";
-    assert_eq!(error.to_string(), want);
+fn after_an_error_the_old_schedule_goes_on() {
+    let mut exec = prepare(growing(LEN));
+    upload(&mut *exec, "step", &[3]);
+    run(&mut *exec, 1);
+    let error = exec.adopt(compile(growing(1 << 60))).unwrap_err();
+    assert!(
+        matches!(
+            &error,
+            BackendError::OutOfMemory { .. } | BackendError::Limit { .. }
+        ),
+        "{error}"
+    );
+    run(&mut *exec, 1);
+    assert_eq!(read(&mut *exec, "total"), vec![11; LEN as usize]);
+    assert_eq!(read(&mut *exec, "age"), ages(2));
 }
 
 #[test]
@@ -226,5 +211,8 @@ fn a_single_step_neither_clears_nor_rotates() {
     exec.run_step(clear).unwrap();
     assert_eq!(read(&mut *exec, "counts"), [0]);
     let text = exec.run_step(4).unwrap_err().to_string();
-    assert_eq!(text, "stage `test`: there is no step 4; the schedule has 4");
+    assert_eq!(
+        text,
+        "step 4 of `test`: the schedule has 4 steps; take the number from `Schedule::steps`"
+    );
 }

@@ -87,6 +87,17 @@ impl VulkanBackend {
         })
     }
 
+    /// As [`Backend::prepare`], for those who record frames into their own command buffers.
+    ///
+    /// # Errors
+    /// As [`Backend::prepare`].
+    pub fn prepare_vulkan(
+        &self,
+        schedule: Arc<Schedule>,
+    ) -> Result<VulkanExecutable, BackendError> {
+        VulkanExecutable::new(&self.device, schedule)
+    }
+
     /// What the validation layer has said so far; empty without the layer.
     pub fn validation_messages(&self) -> Vec<String> {
         self.validation_log().messages()
@@ -111,34 +122,8 @@ impl Backend for VulkanBackend {
         &self.device.adapter.capabilities
     }
 
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError> {
-        let foreign = || BackendError::ForeignExecutable {
-            backend: "vulkan".into(),
-        };
-        let old = match adopt {
-            None => None,
-            Some(old) => Some(
-                *old.into_any()
-                    .downcast::<VulkanExecutable>()
-                    .map_err(|_| foreign())?,
-            ),
-        };
-        // Buffers of another device mean nothing to this one.
-        if old
-            .as_ref()
-            .is_some_and(|old| !Arc::ptr_eq(old.device(), &self.device))
-        {
-            return Err(foreign());
-        }
-        Ok(Box::new(VulkanExecutable::new(
-            &self.device,
-            schedule,
-            old,
-        )?))
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
+        Ok(Box::new(self.prepare_vulkan(schedule)?))
     }
 }
 

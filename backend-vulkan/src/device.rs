@@ -220,3 +220,20 @@ impl Drop for Device {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_is_an_error_that_says_so() {
+        let error = failed("GPU", "vkQueueSubmit", vk::Result::ERROR_DEVICE_LOST);
+        let text = error.to_string();
+        assert!(matches!(error, BackendError::Device { .. }));
+        assert!(
+            text.contains("GPU") && text.contains("vkQueueSubmit"),
+            "{text}"
+        );
+        assert!(text.to_lowercase().contains("lost"), "{text}");
+    }
+}

@@ -11,8 +11,9 @@ use crate::storage::Stores;
 use crate::stream::Stream;
 use crate::timing::Timer;
 use ash::vk;
-use gibs_graph::{BackendError, Executable, Resource, ResourceId, Schedule, StepTime, check_range};
-use std::any::Any;
+use gibs_graph::{
+    BackendError, Executable, Resource, ResourceId, Schedule, StepTime, check_range, check_step,
+};
 use std::sync::Arc;
 
 /// A schedule with its buffers, images, pipelines and command buffers.
@@ -49,38 +50,15 @@ pub(crate) struct Frame {
 }
 
 impl VulkanExecutable {
-    /// Builds everything that `schedule` needs, with the state of `old` where the two agree.
-    pub(crate) fn new(
-        device: &Arc<Device>,
-        schedule: Arc<Schedule>,
-        old: Option<Self>,
-    ) -> Result<Self, BackendError> {
+    /// Builds everything that `schedule` needs.
+    pub(crate) fn new(device: &Arc<Device>, schedule: Arc<Schedule>) -> Result<Self, BackendError> {
         let adapter = &device.adapter;
         adapter.capabilities.check(&adapter.info.name, &schedule)?;
         let kernels = kernels::build(device, &schedule)?;
-        let mut adopted = Vec::new();
-        if let Some(mut old) = old {
-            old.stream.finish()?;
-            for (from, to) in schedule.adoptions(&old.schedule) {
-                let image = |of: &Schedule, id: ResourceId| of.resources[id as usize].image;
-                // An image of another shape may have as many texels, and a buffer as many elements.
-                if image(&schedule, to) != image(&old.schedule, from) {
-                    continue;
-                }
-                if let Some(mut store) = old.stores.take(from) {
-                    // The first frame after this one is odd, so what is current now is current for even parity.
-                    if old.parity == 1 {
-                        store.swap();
-                    }
-                    adopted.push((to, store));
-                }
-            }
-            // The rest goes here, before anything new is allocated.
-        }
         // Before the stream, so that after an error below the stream goes first and waits for its work.
         let mut stores = Stores::new(&schedule);
         let mut stream = Stream::new(device)?;
-        stores.fill(&schedule, adopted, &mut stream)?;
+        stores.fill(&schedule, &mut stream)?;
         stream.submit(None)?;
         let imports = Imports::default();
         let bound = Bound {
@@ -113,11 +91,6 @@ impl VulkanExecutable {
             ),
             stores,
         })
-    }
-
-    /// The device that it was made for.
-    pub(crate) fn device(&self) -> &Arc<Device> {
-        &self.stream.device
     }
 
     /// Makes what frames of this parity refer to what is bound now.
@@ -226,15 +199,7 @@ impl Executable for VulkanExecutable {
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
-        let steps = self.schedule.steps.len();
-        if step >= steps {
-            return Err(BackendError::Range {
-                resource: format!("the steps of {}", self.schedule.name),
-                bytes: steps as u64,
-                offset: step as u64,
-                end: step as u64,
-            });
-        }
+        check_step(&self.schedule, step)?;
         self.resolve(self.parity)?;
         let commands = self.stream.batch()?;
         // SAFETY: the batch is being recorded; as for frames, everything outlives the work.
@@ -293,7 +258,28 @@ impl Executable for VulkanExecutable {
         timer.read()
     }
 
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
+    /// Copies what carries over, so that until the end nothing of the old schedule changes.
+    fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
+        self.stream.finish()?;
+        let mut new = Self::new(&self.stream.device, schedule)?;
+        let pairs = new.schedule.adoptions(&self.schedule);
+        for &(from, to) in &pairs {
+            let resource = &self.schedule.resources[from as usize];
+            for other in 0..resource.kind.allocations() as usize {
+                // The first frame is an odd one, so what is current now is so for even parity.
+                let source = self.stores.buffer(from, self.parity ^ other);
+                let target = new.stores.buffer(to, other);
+                if let (Some(source), Some(target)) = (source, target) {
+                    new.stream.copy(source, target, resource.bytes)?;
+                }
+            }
+        }
+        new.stream.finish()?;
+        for (from, to) in pairs {
+            new.stores.take_image(to, &mut self.stores, from);
+        }
+        (new.measuring, new.exit) = (self.measuring, self.exit);
+        *self = new;
+        Ok(())
     }
 }

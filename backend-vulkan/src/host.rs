@@ -46,7 +46,7 @@ impl VulkanExecutable {
     ///   anything else of this executable is called than uploads that come along, [`Executable::measure`], `record`, the
     ///   imports and `set_exit`.
     /// - At most two recorded frames of this executable are under way at a time.
-    /// - Every recorded frame is done before the executable is dropped or adopted from. The executable itself waits only
+    /// - Every recorded frame is done before the executable is dropped, or adopts a schedule. The executable itself waits only
     ///   for what it submitted.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer) -> Result<(), BackendError> {
         if self.stream.is_open() {

@@ -20,7 +20,7 @@ pub(crate) fn refused(
 
 impl VulkanExecutable {
     /// The Vulkan buffer of a resource, of a history the current allocation, for engines that use it in place. `None`
-    /// where the device has none. It stays valid until the executable is dropped or adopted from, and its content is
+    /// where the device has none. It stays valid until the executable is dropped or adopts another schedule, and its content is
     /// that of the last frame once [`Executable::wait`](gibs_graph::Executable::wait) returned, or, of a frame that
     /// [`VulkanExecutable::record`] recorded, behind it on the queue. Of a transient, only an output's lasts.
     pub fn buffer(&self, resource: ResourceId) -> Option<vk::Buffer> {

@@ -26,13 +26,6 @@ impl Store {
             .map(Self::Buffers)
     }
 
-    /// Exchanges the buffers, so that what was current for odd parities is so for even ones.
-    pub fn swap(&mut self) {
-        if let Self::Buffers(buffers) = self {
-            buffers.reverse();
-        }
-    }
-
     /// Sets every buffer to the first value of its kind. An image starts at zero when it is made.
     fn initialize(&self, stream: &mut Stream, resource: &Resource) -> Result<(), BackendError> {
         let Self::Buffers(buffers) = self else {
@@ -85,20 +78,12 @@ impl Stores {
         }
     }
 
-    /// Makes memory for everything in `schedule` that the device touches, and sets it to its first value. `adopted`
-    /// gives what is taken over instead. After an error, this holds what the stream may already be working on.
-    pub fn fill(
-        &mut self,
-        schedule: &Schedule,
-        mut adopted: Vec<(ResourceId, Store)>,
-        stream: &mut Stream,
-    ) -> Result<(), BackendError> {
+    /// Makes memory for everything in `schedule` that the device touches, and sets it to its first value. After an error,
+    /// this holds what the stream may already be working on.
+    pub fn fill(&mut self, schedule: &Schedule, stream: &mut Stream) -> Result<(), BackendError> {
         for (id, resource) in schedule.resources.iter().enumerate() {
-            let taken = adopted.iter().position(|(to, _)| *to as usize == id);
             if !resource.usage.on_device() || resource.home as usize != id {
                 self.stores.push(None);
-            } else if let Some(taken) = taken {
-                self.stores.push(Some(adopted.swap_remove(taken).1));
             } else {
                 let store = Store::new(&stream.device, resource)?;
                 let initialized = store.initialize(stream, resource);
@@ -144,9 +129,14 @@ impl Stores {
         Ok(())
     }
 
-    /// Takes the memory of one resource away, for another schedule.
-    pub fn take(&mut self, resource: ResourceId) -> Option<Store> {
-        self.stores.get_mut(resource as usize)?.take()
+    /// Takes an image, if it was made, from the memory of another schedule.
+    pub fn take_image(&mut self, to: ResourceId, old: &mut Self, from: ResourceId) {
+        if let (Some(Some(Store::Image(new))), Some(Some(Store::Image(old)))) = (
+            self.stores.get_mut(to as usize),
+            old.stores.get_mut(from as usize),
+        ) {
+            *new = old.take();
+        }
     }
 
     /// Sets states and histories to their first value.

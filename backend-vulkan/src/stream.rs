@@ -49,6 +49,11 @@ impl Stream {
         // SAFETY: the device is alive and has timeline semaphores.
         stream.timeline = unsafe { device.raw.create_semaphore(&info, None) }
             .map_err(device.fail("vkCreateSemaphore"))?;
+        // As many as two frames under way and uploads for a third one need: how far the device lags behind then makes no
+        // object.
+        for _ in 0..3 {
+            stream.batches.push((stream.allocate()?, 0));
+        }
         Ok(stream)
     }
 

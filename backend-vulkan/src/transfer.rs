@@ -151,6 +151,30 @@ impl Stream {
         })
     }
 
+    /// Records a copy of the first `bytes` bytes of `source`, which nothing changes any more, to `target`.
+    pub fn copy(
+        &mut self,
+        source: &Buffer,
+        target: &Buffer,
+        bytes: u64,
+    ) -> Result<(), BackendError> {
+        let commands = self.batch()?;
+        let device = &self.device.raw;
+        let region = [vk::BufferCopy {
+            src_offset: 0,
+            dst_offset: 0,
+            size: bytes,
+        }];
+        let written = &mut self.staging.written;
+        // SAFETY: the batch is being recorded; both buffers are as long as the resource at least, and the caller waits for
+        // the copy before either can go.
+        unsafe {
+            written.order(device, commands, target.raw.as_raw(), 0, bytes);
+            device.cmd_copy_buffer(commands, source.raw, target.raw, &region);
+        };
+        Ok(())
+    }
+
     /// Records that all of `target` becomes `word`.
     pub fn fill(&mut self, target: &Buffer, word: u32) -> Result<(), BackendError> {
         let commands = self.batch()?;

@@ -85,9 +85,7 @@ fn frames_do_not_allocate() {
         Dispatch::Elements(1024),
     );
     g.output("target", &out.target_);
-    let mut e = backend
-        .prepare(Arc::new(g.compile(None).unwrap()), None)
-        .unwrap();
+    let mut e = backend.prepare(Arc::new(g.compile(None).unwrap())).unwrap();
     let source = e.schedule().resource("source").unwrap();
     let bytes = [7; 4096];
     let mut frame = || {
@@ -149,8 +147,7 @@ fn frames_with_images_that_take_turns_do_not_allocate() {
         };
         let out = g.add::<show::Show>("show", inputs, Dispatch::Elements(64));
         g.output_image("shown", &out.shown);
-        let e = support::prepare(&backend, g);
-        let mut e = *e.into_any().downcast::<VulkanExecutable>().unwrap();
+        let mut e = backend.prepare_vulkan(support::compile(g)).unwrap();
         let id = |e: &VulkanExecutable, key: &str| e.schedule().resource(key).unwrap();
         let [seen, source, shown] = ["seen", "source", "shown"].map(|key| id(&e, key));
         let color = vk::ImageAspectFlags::COLOR;

@@ -31,21 +31,9 @@ impl WgpuBackend {
     /// As [`Backend::prepare`], for those who record frames into their own encoder.
     ///
     /// # Errors
-    /// As [`Backend::prepare`]; [`BackendError::ForeignExecutable`] also if another `WgpuBackend` made `adopt`.
-    pub fn prepare_wgpu(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<WgpuExecutable>,
-    ) -> Result<WgpuExecutable, BackendError> {
-        if adopt
-            .as_ref()
-            .is_some_and(|old| !old.runs_on(&self.context))
-        {
-            return Err(BackendError::ForeignExecutable {
-                backend: NAME.into(),
-            });
-        }
-        WgpuExecutable::new(Arc::clone(&self.context), schedule, adopt)
+    /// As [`Backend::prepare`].
+    pub fn prepare_wgpu(&self, schedule: Arc<Schedule>) -> Result<WgpuExecutable, BackendError> {
+        WgpuExecutable::new(Arc::clone(&self.context), schedule, None)
     }
 
     #[cfg(test)]
@@ -67,21 +55,8 @@ impl Backend for WgpuBackend {
         &self.context.capabilities
     }
 
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError> {
-        let adopt = match adopt.map(|old| old.into_any().downcast::<WgpuExecutable>()) {
-            None => None,
-            Some(Ok(old)) => Some(*old),
-            Some(Err(_)) => {
-                return Err(BackendError::ForeignExecutable {
-                    backend: NAME.into(),
-                });
-            }
-        };
-        Ok(Box::new(self.prepare_wgpu(schedule, adopt)?))
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
+        Ok(Box::new(self.prepare_wgpu(schedule)?))
     }
 }
 

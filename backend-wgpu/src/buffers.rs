@@ -29,7 +29,7 @@ impl Parity {
 }
 
 /// The buffers of one resource: two for a history, one otherwise, none where no stage sees it on the device.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Allocation(Vec<wgpu::Buffer>);
 
 impl Allocation {
@@ -80,6 +80,24 @@ impl Allocation {
             self.0.swap(0, 1);
         }
         self
+    }
+
+    /// Copies the first `bytes` bytes of a shorter allocation, behind everything that was submitted.
+    pub fn begin_with(
+        &self,
+        context: &Context,
+        old: &Self,
+        bytes: u64,
+    ) -> Result<(), BackendError> {
+        context.guard(|| {
+            let mut encoder = context
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for (new, old) in self.0.iter().zip(&old.0) {
+                encoder.copy_buffer_to_buffer(old, 0, new, 0, bytes.next_multiple_of(4));
+            }
+            context.queue.submit([encoder.finish()]);
+        })
     }
 
     /// Sets a state or a history to its initial value.
@@ -228,7 +246,13 @@ pub(crate) fn map(
     bytes
 }
 
-fn out_of_memory(context: &Context, key: &str, bytes: u64, error: &wgpu::Error) -> BackendError {
+/// What an error while memory is made means.
+pub(crate) fn out_of_memory(
+    context: &Context,
+    key: &str,
+    bytes: u64,
+    error: &wgpu::Error,
+) -> BackendError {
     match error {
         wgpu::Error::OutOfMemory { .. } => BackendError::OutOfMemory {
             device: context.info.name.clone(),

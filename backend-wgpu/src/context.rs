@@ -161,6 +161,7 @@ fn listen(device: &wgpu::Device, faults: &Arc<Mutex<Faults>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::buffers::out_of_memory;
     use crate::{Options, WgpuBackend};
 
     /// A backend, or nothing on a machine without a driver; `GIBS_STRICT=1` makes that a failure.
@@ -219,5 +220,19 @@ mod tests {
                 Err(BackendError::Device { .. })
             ));
         }
+    }
+
+    /// Memory cannot be made to run out alike on every machine; what wgpu says then is one error, raised here.
+    #[test]
+    fn memory_that_runs_out_names_the_resource() {
+        let Some(backend) = backend() else { return };
+        let error = wgpu::Error::OutOfMemory {
+            source: "no room".into(),
+        };
+        let refused = out_of_memory(backend.context(), "numbers", 4096, &error);
+        assert!(
+            matches!(&refused, BackendError::OutOfMemory { resource, bytes: 4096, .. } if resource == "numbers"),
+            "{refused}"
+        );
     }
 }

@@ -5,6 +5,7 @@ use gibs_graph::{BackendError, ImageFormat, ImageShape, Resource};
 use wgpu::{TextureFormat, TextureUsages};
 
 /// An image with its view.
+#[derive(Clone)]
 pub(crate) struct Image {
     texture: wgpu::Texture,
     pub view: wgpu::TextureView,

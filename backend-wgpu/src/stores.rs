@@ -2,7 +2,7 @@
 use crate::buffers::{Allocation, Parity};
 use crate::context::Context;
 use crate::images::Image;
-use gibs_graph::{BackendError, Kind, ResourceId, Schedule};
+use gibs_graph::{BackendError, Kind, Resource, ResourceId, Schedule};
 use std::sync::Arc;
 
 /// What a host gave for a resource.
@@ -23,30 +23,38 @@ pub(crate) struct Stores {
 }
 
 impl Stores {
-    /// Takes over what `old` and the schedule both keep, and allocates the rest.
+    /// Shares with `old` what both schedules keep, and allocates the rest; what has become longer begins with a copy of
+    /// what it held. `old` stays as it is.
     pub fn new(
         context: &Context,
         schedule: &Arc<Schedule>,
-        old: Option<(Stores, Parity)>,
+        old: Option<(&Stores, Parity)>,
     ) -> Result<Self, BackendError> {
         let count = schedule.resources.len();
-        let mut adopted: Vec<Option<Allocation>> = (0..count).map(|_| None).collect();
-        let mut images: Vec<Option<Image>> = (0..count).map(|_| None).collect();
-        if let Some((mut old, parity)) = old {
+        let mut adopted: Vec<Option<(Allocation, u64)>> = vec![None; count];
+        let mut images: Vec<Option<Image>> = vec![None; count];
+        if let Some((old, parity)) = old {
             for (from, to) in schedule.adoptions(&old.schedule) {
                 let (from, to) = (from as usize, to as usize);
-                images[to] = old.images[from].take();
-                let allocation = std::mem::take(&mut old.allocations[from]);
+                images[to] = old.images[from].clone();
+                let allocation = old.allocations[from].clone();
                 if allocation.is_on_device() && schedule.resources[to].usage.on_device() {
-                    adopted[to] = Some(allocation.rebase(parity));
+                    let bytes = old.schedule.resources[from].bytes;
+                    adopted[to] = Some((allocation.rebase(parity), bytes));
                 }
             }
         }
-        let resources = schedule.resources.iter();
-        let allocations = resources
-            .zip(adopted)
-            .map(|(r, kept)| kept.map_or_else(|| Allocation::new(context, r), Ok))
-            .collect::<Result<_, _>>()?;
+        let allocate = |(resource, old): (&Resource, Option<(Allocation, u64)>)| match old {
+            Some((old, bytes)) if bytes == resource.bytes => Ok(old),
+            Some((old, bytes)) => {
+                let made = Allocation::new(context, resource)?;
+                made.begin_with(context, &old, bytes)?;
+                Ok(made)
+            }
+            None => Allocation::new(context, resource),
+        };
+        let resources = schedule.resources.iter().zip(adopted);
+        let allocations = resources.map(allocate).collect::<Result<_, _>>()?;
         Ok(Self {
             schedule: Arc::clone(schedule),
             allocations,

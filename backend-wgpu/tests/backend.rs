@@ -1,137 +1,19 @@
 //! The backend on a real driver. Without one, nothing is run; `GIBS_STRICT=1` makes that a failure.
+mod common;
 mod stages;
 
-use gibs_backend_wgpu::{Options, WgpuBackend, devices, wgpu};
-use gibs_graph::{
-    Action, Backend, BackendError, Dispatch, DispatchArgs, Executable, Graph, Initial, ResourceId,
-    Schedule,
-};
+use common::{aging, backend, compile, counting, doubling, engine, id, open, read, upload};
+use gibs_backend_wgpu::{Options, WgpuBackend, devices};
+use gibs_graph::{Action, Backend, BackendError, Dispatch, Executable, Graph, Initial};
 use glam::UVec4;
-use stages::{add, age, broken, count_odd, double, mark, plan};
-use std::sync::Arc;
-
-/// A backend, or `None` with a message on a machine without a driver.
-fn open(options: Options) -> Option<WgpuBackend> {
-    match WgpuBackend::new(options) {
-        Ok(backend) => Some(backend),
-        Err(error) if std::env::var("GIBS_STRICT").as_deref() == Ok("1") => panic!("{error}"),
-        Err(error) => {
-            println!("not run: {error}");
-            None
-        }
-    }
-}
-
-fn backend() -> Option<WgpuBackend> {
-    open(Options::default())
-}
-
-fn compile(graph: Graph) -> Arc<Schedule> {
-    Arc::new(graph.compile(None).unwrap())
-}
-
-fn id(executable: &dyn Executable, key: &str) -> ResourceId {
-    executable.schedule().resource(key).unwrap()
-}
-
-fn upload(executable: &mut dyn Executable, key: &str, values: &[u32]) {
-    executable
-        .upload(id(executable, key), 0, bytemuck::cast_slice(values))
-        .unwrap();
-}
-
-fn read(executable: &mut dyn Executable, key: &str) -> Vec<u32> {
-    bytemuck::pod_collect_to_vec(&executable.read(id(executable, key)).unwrap())
-}
-
-/// `doubled = 2 * numbers`.
-fn doubling(len: u64) -> Arc<Schedule> {
-    let mut g = Graph::new("doubling");
-    let numbers = g.input::<u32>("numbers", len);
-    let doubled = g.transient::<u32>("doubled", len);
-    let out = g.add::<double::Double>(
-        "double",
-        double::Inputs {
-            numbers: &numbers,
-            doubled,
-        },
-        Dispatch::Elements(len),
-    );
-    g.output("doubled", &out.doubled);
-    compile(g)
-}
-
-/// `totals += amount`, and `ages += 1` through a history, per frame. Both start at 5.
-fn aging(totals: u64, ages: u64) -> Arc<Schedule> {
-    let mut g = Graph::new("aging");
-    let amount = g.input::<UVec4>("amount", 1);
-    let (total_state, total) = g.state::<u32>("totals", totals, Initial::fill(5_u32));
-    let (age_state, before, now) = g.history::<u32>("ages", ages, Initial::fill(5_u32));
-    let add = g.add::<add::Add>(
-        "state/add",
-        add::Inputs {
-            amount: &amount,
-            totals: total,
-        },
-        Dispatch::Elements(totals),
-    );
-    let age = g.add::<age::Age>(
-        "history/age",
-        age::Inputs {
-            before: &before,
-            now,
-        },
-        Dispatch::Elements(ages),
-    );
-    g.output("totals", &add.totals);
-    g.output("ages", &age.now);
-    g.keep(total_state, add.totals);
-    g.keep(age_state, age.now);
-    compile(g)
-}
-
-/// Counts odd numbers and marks as many elements, with a dispatch whose size the device computes.
-fn counting(len: u64) -> Arc<Schedule> {
-    let mut g = Graph::new("counting");
-    let numbers = g.input::<u32>("numbers", len);
-    let count = g.zeroed::<u32>("count", 1);
-    let plan = g.transient::<DispatchArgs>("plan", 1);
-    let marks = g.zeroed::<u32>("marks", len);
-    let counted = g.add::<count_odd::CountOdd>(
-        "count",
-        count_odd::Inputs {
-            numbers: &numbers,
-            count,
-        },
-        Dispatch::Elements(len),
-    );
-    let planned = g.add::<plan::Plan>(
-        "plan",
-        plan::Inputs {
-            count: &counted.count,
-            plan,
-        },
-        Dispatch::Groups([1; 3]),
-    );
-    let marked = g.add::<mark::Mark>(
-        "mark",
-        mark::Inputs {
-            plan: &planned.plan,
-            marks,
-        },
-        Dispatch::Indirect(&planned.plan),
-    );
-    g.output("count", &counted.count);
-    g.output("marks", &marked.marks);
-    compile(g)
-}
+use stages::{add, broken};
 
 #[test]
 fn numbers_are_doubled() {
     let Some(backend) = backend() else { return };
     // One element binds 4 bytes of a larger buffer; 1000 is no multiple of the workgroup.
     for len in [1, 1000] {
-        let mut run = backend.prepare(doubling(len), None).unwrap();
+        let mut run = backend.prepare(doubling(len)).unwrap();
         let numbers: Vec<u32> = (0..len as u32).map(|i| i + 3).collect();
         upload(&mut *run, "numbers", &numbers);
         run.run().unwrap();
@@ -145,7 +27,7 @@ fn numbers_are_doubled() {
 #[test]
 fn an_upload_may_start_and_end_anywhere() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(doubling(4), None).unwrap();
+    let mut run = backend.prepare(doubling(4)).unwrap();
     upload(&mut *run, "numbers", &[0, 0x0403_0201, 0x0807_0605, 9]);
     let numbers = id(&*run, "numbers");
     run.upload(numbers, 6, &[0xaa, 0xbb, 0xcc]).unwrap();
@@ -155,7 +37,7 @@ fn an_upload_may_start_and_end_anywhere() {
 #[test]
 fn bytes_and_steps_that_are_not_there_are_errors() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(doubling(4), None).unwrap();
+    let mut run = backend.prepare(doubling(4)).unwrap();
     let numbers = id(&*run, "numbers");
     assert!(matches!(
         run.upload(numbers, 12, &[0; 8]),
@@ -166,7 +48,10 @@ fn bytes_and_steps_that_are_not_there_are_errors() {
         })
     ));
     assert!(matches!(run.read(99), Err(BackendError::Range { .. })));
-    assert!(matches!(run.run_step(99), Err(BackendError::Kernel { .. })));
+    assert!(matches!(
+        run.run_step(99),
+        Err(BackendError::Refused { .. })
+    ));
 }
 
 #[test]
@@ -185,7 +70,7 @@ fn a_dispatch_of_nothing_does_nothing() {
     );
     g.output("totals", &out.totals);
     g.keep(state, out.totals);
-    let mut run = backend.prepare(compile(g), None).unwrap();
+    let mut run = backend.prepare(compile(g)).unwrap();
     upload(&mut *run, "amount", &[1; 4]);
     run.measure(true);
     run.run().unwrap();
@@ -199,7 +84,7 @@ fn a_dispatch_of_nothing_does_nothing() {
 #[test]
 fn a_state_is_kept_until_it_is_reset() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(100, 1), None).unwrap();
+    let mut run = backend.prepare(aging(100, 1)).unwrap();
     upload(&mut *run, "amount", &[10, 0, 0, 0]);
     for _ in 0..3 {
         run.run().unwrap();
@@ -239,7 +124,7 @@ fn initial_values_are_there_before_the_first_frame() {
         g.keep(state, out.totals);
         keys.push(key);
     }
-    let mut run = backend.prepare(compile(g), None).unwrap();
+    let mut run = backend.prepare(compile(g)).unwrap();
     upload(&mut *run, "amount", &[1; 4]);
     let all = |run: &mut dyn Executable| keys.iter().map(|key| read(run, key)).collect::<Vec<_>>();
     let before = [[0, 0, 0, 0], [0, 1, 2, 3], [9, 9, 9, 9]];
@@ -253,7 +138,7 @@ fn initial_values_are_there_before_the_first_frame() {
 #[test]
 fn a_history_rotates_once_per_frame() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(1, 70), None).unwrap();
+    let mut run = backend.prepare(aging(1, 70)).unwrap();
     for want in 6..10 {
         run.run().unwrap();
         assert_eq!(read(&mut *run, "ages"), [want; 70]);
@@ -277,7 +162,7 @@ fn a_history_rotates_once_per_frame() {
 #[test]
 fn an_upload_to_a_history_is_what_the_next_frame_finds() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(1, 1), None).unwrap();
+    let mut run = backend.prepare(aging(1, 1)).unwrap();
     for uploaded in [100, 200, 300] {
         upload(&mut *run, "ages", &[uploaded]);
         run.run().unwrap();
@@ -288,7 +173,7 @@ fn an_upload_to_a_history_is_what_the_next_frame_finds() {
 #[test]
 fn each_frame_sees_the_uniform_uploaded_before_it() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(1, 1), None).unwrap();
+    let mut run = backend.prepare(aging(1, 1)).unwrap();
     for amount in [1, 10, 100] {
         upload(&mut *run, "amount", &[amount, 0, 0, 0]);
         run.run().unwrap();
@@ -302,7 +187,7 @@ fn each_frame_sees_the_uniform_uploaded_before_it() {
 fn a_zeroed_counter_starts_over_and_sizes_a_dispatch() {
     let Some(backend) = backend() else { return };
     let len = 1000;
-    let mut run = backend.prepare(counting(len), None).unwrap();
+    let mut run = backend.prepare(counting(len)).unwrap();
     for odd in [700, 700, 65, 0] {
         let numbers: Vec<u32> = (0..len as u32)
             .map(|i| u32::from(i >= len as u32 - odd))
@@ -318,7 +203,7 @@ fn a_zeroed_counter_starts_over_and_sizes_a_dispatch() {
 #[test]
 fn steps_one_by_one_make_the_same_frame() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(counting(100), None).unwrap();
+    let mut run = backend.prepare(counting(100)).unwrap();
     upload(&mut *run, "numbers", &[1; 100]);
     for step in 0..run.schedule().steps.len() {
         run.run_step(step).unwrap();
@@ -332,41 +217,50 @@ fn adoption_carries_over_what_agrees() {
     let Some(backend) = backend() else { return };
     // After an odd and after an even number of frames: a history must be taken over the right way round.
     for frames in [3, 4] {
-        let mut old = backend.prepare(aging(10, 10), None).unwrap();
+        let mut old = backend.prepare(aging(20, 10)).unwrap();
         upload(&mut *old, "amount", &[1, 0, 0, 0]);
         for _ in 0..frames {
             old.run().unwrap();
         }
-        let mut new = backend.prepare(aging(20, 10), Some(old)).unwrap();
+        let mut new = old;
+        new.adopt(aging(10, 10)).unwrap();
         assert_eq!(read(&mut *new, "ages"), [5 + frames; 10]);
         assert_eq!(read(&mut *new, "amount"), [1, 0, 0, 0]);
         assert_eq!(
             read(&mut *new, "totals"),
-            [5; 20],
-            "another length starts over"
+            [5; 10],
+            "what is shorter starts over"
         );
         new.run().unwrap();
         assert_eq!(read(&mut *new, "ages"), [6 + frames; 10]);
-        assert_eq!(read(&mut *new, "totals"), [6; 20]);
+        assert_eq!(read(&mut *new, "totals"), [6; 10]);
+        new.adopt(aging(20, 20)).unwrap();
+        let ages = [[6 + frames; 10], [5; 10]].concat();
+        assert_eq!(read(&mut *new, "ages"), ages, "what is longer goes on");
+        assert_eq!(read(&mut *new, "totals"), [[6; 10], [5; 10]].concat());
+        new.run().unwrap();
+        let ages = [[7 + frames; 10], [6; 10]].concat();
+        assert_eq!(read(&mut *new, "ages"), ages, "in both allocations");
     }
 }
 
+/// A schedule that the device cannot have leaves everything as it was.
 #[test]
-fn adoption_from_another_device_is_refused() {
-    let (Some(first), Some(second)) = (backend(), backend()) else {
-        return;
-    };
-    let old = first.prepare(aging(1, 1), None).unwrap();
-    assert!(matches!(
-        second.prepare(aging(1, 1), Some(old)),
-        Err(BackendError::ForeignExecutable { .. })
-    ));
+fn after_an_error_the_old_schedule_goes_on() {
+    let Some(backend) = backend() else { return };
+    let mut run = backend.prepare(aging(10, 10)).unwrap();
+    upload(&mut *run, "amount", &[1, 0, 0, 0]);
+    run.run().unwrap();
+    assert!(run.adopt(aging(1 << 36, 10)).is_err());
+    run.run().unwrap();
+    assert_eq!(read(&mut *run, "ages"), [7; 10]);
+    assert_eq!(read(&mut *run, "totals"), [7; 10]);
 }
 
 #[test]
 fn time_is_measured_for_every_dispatch() {
     let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(counting(100_000), None).unwrap();
+    let mut run = backend.prepare(counting(100_000)).unwrap();
     run.run().unwrap();
     assert_eq!(run.timings().unwrap(), None, "nothing was measured");
     run.measure(true);
@@ -398,7 +292,7 @@ fn time_is_measured_for_every_dispatch() {
 fn a_limit_names_the_resource_or_the_stage() {
     let Some(backend) = backend() else { return };
     let len = backend.capabilities().storage_binding / 4 + 1;
-    let Err(error) = backend.prepare(doubling(len), None) else {
+    let Err(error) = backend.prepare(doubling(len)) else {
         panic!("{len} elements were accepted")
     };
     assert!(
@@ -437,7 +331,7 @@ fn a_broken_kernel_names_the_stage() {
             "{error}"
         );
     }
-    let mut run = backend.prepare(doubling(1), None).unwrap();
+    let mut run = backend.prepare(doubling(1)).unwrap();
     run.run().unwrap();
     run.wait().unwrap();
 }
@@ -456,7 +350,7 @@ where
     let doubled = g.transient::<u32>("doubled", 4);
     let out = g.add::<S>("bad", inputs(&numbers, doubled), Dispatch::Elements(4));
     g.output("doubled", out.doubled());
-    match backend.prepare(compile(g), None) {
+    match backend.prepare(compile(g)) {
         Ok(_) => panic!("{} was accepted", S::NAME),
         Err(error) => error,
     }
@@ -497,11 +391,11 @@ fn spirv_gives_what_wgsl_gives() {
         }
     };
     for backend in [wgsl, spirv] {
-        let mut run = backend.prepare(counting(100), None).unwrap();
+        let mut run = backend.prepare(counting(100)).unwrap();
         upload(&mut *run, "numbers", &[3; 100]);
         run.run().unwrap();
         assert_eq!(read(&mut *run, "marks"), [1; 100]);
-        let mut run = backend.prepare(aging(3, 3), None).unwrap();
+        let mut run = backend.prepare(aging(3, 3)).unwrap();
         upload(&mut *run, "amount", &[2; 4]);
         run.run().unwrap();
         run.run().unwrap();
@@ -514,26 +408,18 @@ fn spirv_gives_what_wgsl_gives() {
 
 #[test]
 fn an_engine_records_frames_into_its_own_encoder() {
-    if backend().is_none() {
-        return;
-    }
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter =
-        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-            .unwrap();
-    let (device, queue) =
-        pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).unwrap();
-    let backend = WgpuBackend::from_device(&adapter.get_info(), device.clone(), queue.clone());
+    let Some(engine) = engine() else { return };
+    let backend = &engine.backend;
     assert!(
         !backend.device().timestamps,
         "the engine did not ask for them"
     );
-    let mut run = backend.prepare_wgpu(aging(8, 8), None).unwrap();
+    let mut run = backend.prepare_wgpu(aging(8, 8)).unwrap();
     upload(&mut run, "amount", &[4; 4]);
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = engine.encoder();
     run.record(&mut encoder).unwrap();
     run.record(&mut encoder).unwrap();
-    queue.submit([encoder.finish()]);
+    engine.submit(encoder);
     assert_eq!(read(&mut run, "totals"), [13; 8]);
     assert_eq!(read(&mut run, "ages"), [7; 8]);
     assert!(

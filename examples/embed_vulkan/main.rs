@@ -23,7 +23,6 @@ mod verdict;
 
 use engine::{World, views};
 use frames::Frames;
-use gibs::graph::Backend;
 use gibs::passes::data::HostGbuffer;
 use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::shared::gbuffer::NORMALS_OCTAHEDRAL;
@@ -103,10 +102,7 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
     let mut lit = Vec::new();
     for view in &views {
         let gi = Gi::new(&scene, view, SIZE, &settings, Screen::Imported)?;
-        let exec = backend.prepare(gi.schedule().clone(), None)?.into_any();
-        let mut exec = *exec
-            .downcast::<VulkanExecutable>()
-            .map_err(|_| "another backend's")?;
+        let mut exec = backend.prepare_vulkan(gi.schedule().clone())?;
         gi.upload_scene(&mut exec)?;
         gibs::graph::Executable::wait(&mut exec)?;
         let gbuffer = raster.gbuffer(SIZE)?;

@@ -52,7 +52,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let mut lit = Vec::new();
     for view in &views {
         let gi = Gi::new(&scene, view, SIZE, &settings, Screen::Imported)?;
-        let mut exec = backend.prepare_wgpu(gi.schedule().clone(), None)?;
+        let mut exec = backend.prepare_wgpu(gi.schedule().clone())?;
         gi.upload_scene(&mut exec)?;
         let gbuffer = raster.gbuffer(&device, SIZE);
         let usage = wgpu::TextureUsages::STORAGE_BINDING

@@ -18,20 +18,16 @@ pub trait Backend {
     /// before it builds or allocates anything.
     fn capabilities(&self) -> &Capabilities;
 
-    /// Allocates everything that `schedule` needs and builds its kernels. With `adopt`, the content of every
-    /// persistent resource that [`Schedule::adoptions`] names is taken over from that executable, which must come
-    /// from the same backend; any other persistent resource starts from its initial value (inputs: zero).
+    /// Allocates everything that `schedule` needs and builds its kernels. States and histories hold their initial
+    /// values, everything else zero.
     ///
     /// # Errors
     /// A kernel that the device refuses, a limit that the schedule exceeds, not enough memory.
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError>;
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError>;
 }
 
-/// A schedule that is ready to run.
+/// A schedule that is ready to run. A backend's own type behind it is found through `dyn Any`:
+/// `(exec as Box<dyn Any>).downcast()`.
 ///
 /// Calls take effect in order: an upload before [`Executable::run`] is seen by that frame.
 pub trait Executable: Any {
@@ -82,17 +78,25 @@ pub trait Executable: Any {
     /// The device failed.
     fn wait(&mut self) -> Result<(), BackendError>;
 
-    /// Turns measuring time per step on or off.
-    fn measure(&mut self, on: bool);
+    /// Turns measuring time per step on or off; nothing happens where the backend cannot.
+    fn measure(&mut self, on: bool) {
+        let _ = on;
+    }
 
     /// Time per step of the last frame that finished while measuring; `None` where nothing was measured. Waits for it.
     ///
     /// # Errors
     /// The device failed.
-    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError>;
+    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
+        Ok(None)
+    }
 
-    /// For adoption.
-    fn into_any(self: Box<Self>) -> Box<dyn Any>;
+    /// Runs `schedule` from now on, as if it had been prepared anew, but with the content of every persistent resource
+    /// that [`Schedule::adoptions`] names. What a host has lent is forgotten.
+    ///
+    /// # Errors
+    /// As [`Backend::prepare`]; the executable is then as it was, and goes on with its schedule.
+    fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError>;
 }
 
 /// Time that one step took.
@@ -199,12 +203,6 @@ pub enum BackendError {
         /// What to do.
         remedy: String,
     },
-    /// The executable to adopt from belongs to another backend.
-    #[error("state can only be adopted from an executable of the {backend} backend itself")]
-    ForeignExecutable {
-        /// Backend.
-        backend: String,
-    },
     /// Two workgroups wrote one element; found in the CPU backend's checking mode.
     #[error("stage `{stage}`, port `{port}`: two workgroups wrote the bytes at {offset}")]
     WriteConflict {
@@ -244,6 +242,22 @@ pub fn check_range(
             end: end.unwrap_or(u64::MAX),
         }),
     }
+}
+
+/// Checks that a schedule has a step.
+///
+/// # Errors
+/// [`BackendError::Refused`].
+pub fn check_step(schedule: &Schedule, step: usize) -> Result<(), BackendError> {
+    let steps = schedule.steps.len();
+    if step < steps {
+        return Ok(());
+    }
+    Err(BackendError::Refused {
+        what: format!("step {step} of `{}`", schedule.name),
+        reason: format!("the schedule has {steps} steps"),
+        remedy: "take the number from `Schedule::steps`".into(),
+    })
 }
 
 /// Checks an upload to an image: it takes all values at once.

@@ -178,13 +178,14 @@ impl Check<'_> {
     }
 
     fn stage(&self, label: &str, dispatch: &DispatchStep) -> Result<(), BackendError> {
+        type Counts = fn(Access) -> bool;
         let allowed = self.allowed;
-        let count = |counts: fn(Access) -> bool| {
+        let count = |counts: Counts| {
             let bound = dispatch.bindings.iter().filter(|b| b.access.is_bound());
             bound.filter(|b| counts(b.access)).count() as u64
         };
         let what = |unit: &str| format!("stage `{label}` ({unit})");
-        let counted: [(&str, fn(Access) -> bool, u32); 4] = [
+        let counted: [(&str, Counts, u32); 4] = [
             (
                 "storage buffers",
                 |a| a != Access::Uniform && !a.is_image(),

@@ -29,7 +29,7 @@ mod texel;
 mod view;
 
 pub use backend::{
-    Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range,
+    Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range, check_step,
 };
 pub use capabilities::Capabilities;
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};

@@ -1,9 +1,8 @@
 //! A backend without a device.
 use crate::{
     Action, Backend, BackendError, Capabilities, DeviceInfo, Executable, Kind, Resource,
-    ResourceId, Schedule, StepTime, check_image, check_range,
+    ResourceId, Schedule, check_image, check_range, check_step,
 };
-use std::any::Any;
 use std::sync::Arc;
 
 const NAME: &str = "null";
@@ -23,7 +22,7 @@ const NAME: &str = "null";
 /// g.output("numbers", &numbers);
 /// let schedule = g.compile(None).unwrap();
 ///
-/// let mut exec = NullBackend::new().prepare(schedule.into(), None).unwrap();
+/// let mut exec = NullBackend::new().prepare(schedule.into()).unwrap();
 /// exec.upload(0, 4, &7_u32.to_ne_bytes()).unwrap();
 /// exec.run().unwrap();
 /// assert_eq!(exec.read(0).unwrap(), [0, 7_u32].map(u32::to_ne_bytes).concat());
@@ -76,27 +75,20 @@ impl Backend for NullBackend {
         &self.capabilities
     }
 
-    fn prepare(
-        &self,
-        schedule: Arc<Schedule>,
-        adopt: Option<Box<dyn Executable>>,
-    ) -> Result<Box<dyn Executable>, BackendError> {
-        let old = adopt.map(|old| old.into_any().downcast::<NullExecutable>());
-        let old = old
-            .transpose()
-            .map_err(|_| BackendError::ForeignExecutable {
-                backend: NAME.into(),
-            })?;
+    fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
         self.capabilities.check(NAME, &schedule)?;
-        let mut contents: Vec<Content> = Vec::new();
-        contents.resize_with(schedule.resources.len(), Content::default);
-        if let Some(mut old) = old {
-            for (from, to) in schedule.adoptions(&old.schedule) {
-                contents[to as usize] = std::mem::take(&mut old.contents[from as usize]);
-            }
-        }
-        Ok(Box::new(NullExecutable { schedule, contents }))
+        Ok(Box::new(NullExecutable {
+            contents: nothing(&schedule),
+            capabilities: self.capabilities.clone(),
+            schedule,
+        }))
     }
+}
+
+fn nothing(schedule: &Schedule) -> Vec<Content> {
+    let mut contents = Vec::new();
+    contents.resize_with(schedule.resources.len(), Content::default);
+    contents
 }
 
 /// Bytes of a resource; `None` as long as they are what it starts with.
@@ -110,6 +102,7 @@ struct Content {
 #[derive(Debug)]
 struct NullExecutable {
     schedule: Arc<Schedule>,
+    capabilities: Capabilities,
     contents: Vec<Content>,
 }
 
@@ -182,13 +175,7 @@ impl Executable for NullExecutable {
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
-        let steps = self.schedule.steps.len();
-        if step >= steps {
-            return Err(BackendError::Kernel {
-                stage: self.schedule.name.clone(),
-                message: format!("there is no step {step}; the schedule has {steps}"),
-            });
-        }
+        check_step(&self.schedule, step)?;
         self.step(step);
         Ok(())
     }
@@ -215,13 +202,26 @@ impl Executable for NullExecutable {
         Ok(())
     }
 
-    fn measure(&mut self, _: bool) {}
-
-    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
-        Ok(None)
-    }
-
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
+    fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
+        self.capabilities.check(NAME, &schedule)?;
+        let mut contents = nothing(&schedule);
+        for (from, to) in schedule.adoptions(&self.schedule) {
+            let old = &self.contents[from as usize];
+            let resource = &schedule.resources[to as usize];
+            let longer = |bytes: &Option<Vec<u8>>| {
+                let grown = bytes.as_ref().map(|bytes| {
+                    let mut grown = first(resource)?;
+                    grown[..bytes.len()].copy_from_slice(bytes);
+                    Ok::<_, BackendError>(grown)
+                });
+                grown.transpose()
+            };
+            contents[to as usize] = Content {
+                current: longer(&old.current)?,
+                previous: longer(&old.previous)?,
+            };
+        }
+        (self.schedule, self.contents) = (schedule, contents);
+        Ok(())
     }
 }

@@ -219,7 +219,8 @@ impl Schedule {
     }
 
     /// Pairs `(old, new)` of persistent resources whose content carries over from `old`: key, kind with its initial
-    /// value, type, length and image size agree.
+    /// value, type, length and image size agree. A state or a history may also have become longer: then what it held
+    /// stays at its front, and the rest starts from the initial value.
     pub fn adoptions(&self, old: &Schedule) -> Vec<(ResourceId, ResourceId)> {
         let before: HashMap<&str, (ResourceId, &Resource)> = (0..)
             .zip(&old.resources)
@@ -230,9 +231,10 @@ impl Schedule {
             .filter(|(_, new)| new.kind.persists())
             .filter_map(|(id, new)| {
                 let &(from, old) = before.get(new.key.as_str())?;
+                let grows = new.kind != Kind::Input && old.len < new.len;
                 let agrees = old.kind == new.kind
                     && old.element == new.element
-                    && old.len == new.len
+                    && (old.len == new.len || grows)
                     && old.image == new.image;
                 agrees.then_some((from, id))
             })

@@ -379,10 +379,10 @@ element! {
         pad1: u32,
     }
 
-    /// Free slots of the surfel buffers, and what happened to them.
+    /// Slots of the surfel buffers that are in use, and what happened to them.
     pub struct SurfelCounters {
-        /// Slots on the free stack.
-        free: u32,
+        /// Slots in use: free ones are on the stack from this index on, so that it grows at its end.
+        live: u32,
         /// Surfels that found no free slot, since the start.
         starved: u32,
         /// Cell list entries that did not fit, this frame.
@@ -390,6 +390,13 @@ element! {
         /// Rays of this frame.
         rays: u32,
     }
+}
+
+impl SurfelDepth {
+    /// Both moments one, the diameter, in every direction: hides nothing.
+    pub const OPEN: Self = Self {
+        texels: [u32::MAX; 16],
+    };
 }
 
 impl HostGbuffer {

@@ -233,7 +233,7 @@ struct ReferencePath {
 }
 
 struct SurfelCounters {
-    free: u32,
+    live: u32,
     starved: u32,
     overflow: u32,
     rays: u32,

@@ -37,7 +37,7 @@ fn main(
         gone[i] = 0u;
         return;
     }
-    let used = 1.0 - f32(counters[0].free) / f32(settings.capacity);
+    let used = f32(counters[0].live) / f32(settings.capacity);
     let others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;
     let distance = vector_length(pose.position - camera.eye) / grid.half;
     let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);

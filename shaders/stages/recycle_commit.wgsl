@@ -6,5 +6,5 @@ import package::types::SurfelCounters;
 
 @compute @workgroup_size(1)
 fn main() {
-    counters[0].free += total[0];
+    counters[0].live -= total[0];
 }

@@ -16,7 +16,7 @@ fn main(
 ) {
     let i = invocation_index(group, groups, 64u, lane);
     if i < arrayLength(&gone) && gone[i] != 0u {
-        free_slots[counters[0].free + ranks[i]] = i;
+        free_slots[counters[0].live - 1u - ranks[i]] = i;
         poses[i] = SurfelPose();
     }
 }

@@ -1,4 +1,4 @@
-// A free slot for each birth, from the top of the stack down, by rank. Where there are too few slots, the rank that is
+// A free slot for each birth, from the stack, by rank. Where there are too few slots, the rank that is
 // served first is drawn anew each frame.
 import package::hash::hash_hash2;
 import package::invocation::invocation_index;
@@ -26,10 +26,10 @@ fn main(
     let wanted = max(total[0], 1u);
     let first = hash_hash2(frame.number, frame.seed) % wanted;
     let rank = (ranks[tile] + first) % wanted;
-    let free = counters[0].free;
     var claim = vec2<u32>(NONE, NONE);
-    if candidate != NONE && rank < free {
-        claim = vec2<u32>(free_slots[free - 1u - rank], candidate);
+    let slot = counters[0].live + rank;
+    if candidate != NONE && slot < arrayLength(&free_slots) {
+        claim = vec2<u32>(free_slots[slot], candidate);
     }
     claims[tile] = claim;
 }

@@ -1,13 +1,14 @@
 // The free stack after this frame's births, and the count of births that found no slot.
-import package::types::SurfelCounters;
+import package::types::{SurfelCounters, SurfelSettings};
 
-@group(0) @binding(0) var<storage, read> total: array<u32>;
-@group(0) @binding(1) var<storage, read_write> counters: array<SurfelCounters>;
+@group(0) @binding(0) var<uniform> settings: SurfelSettings;
+@group(0) @binding(1) var<storage, read> total: array<u32>;
+@group(0) @binding(2) var<storage, read_write> counters: array<SurfelCounters>;
 
 @compute @workgroup_size(1)
 fn main() {
     let wanted = total[0];
-    let born = min(wanted, counters[0].free);
-    counters[0].free -= born;
+    let born = min(wanted, settings.capacity - counters[0].live);
+    counters[0].live += born;
     counters[0].starved += wanted - born;
 }

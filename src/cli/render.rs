@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         device: backend.device().name.clone(),
         size: loaded.size,
         frames: args.frames,
-        surfels: settings.surfels - counters.free,
+        surfels: counters.live,
         surfels_without_slot: counters.starved,
         grid_overflow: counters.overflow,
         bytes: renderer

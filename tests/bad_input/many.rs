@@ -37,7 +37,8 @@ fn ten_thousand_instances_are_all_drawn_from_one_mesh() {
         (imported.scene.meshes.len(), imported.warnings.len()),
         (1, 0)
     );
-    let device = device_scene(&imported.scene, &View::framing(&imported.scene)).unwrap();
+    let view = View::framing(&imported.scene);
+    let device = device_scene(&imported.scene, &view, view.camera.position).unwrap();
     assert_eq!(device.tree.instances.len(), count);
     assert_eq!(
         device.tree.triangles.len(),

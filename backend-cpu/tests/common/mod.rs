@@ -124,7 +124,7 @@ pub fn prepare(graph: Graph) -> Box<dyn Executable> {
 }
 
 pub fn prepare_with(options: Options, graph: Graph) -> Box<dyn Executable> {
-    backend(options).prepare(compile(graph), None).unwrap()
+    backend(options).prepare(compile(graph)).unwrap()
 }
 
 pub fn compile(graph: Graph) -> Arc<Schedule> {

@@ -2,11 +2,7 @@
 use crate::stages::*;
 use crate::state::counting;
 use crate::support::{compile, prepare, read, start, upload, watched};
-use gibs_graph::{
-    Backend, BackendError, Dispatch, Executable, Graph, Initial, ResourceId, Schedule, StepTime,
-};
-use std::any::Any;
-use std::sync::Arc;
+use gibs_graph::{Dispatch, Graph, Initial};
 
 /// [`counting`] with a stage more in front, so that the same resources have other numbers.
 fn counting_and_doubling(len: u64) -> Graph {
@@ -36,9 +32,7 @@ fn state_carries_over() {
             }
             // Not yet submitted when the new executable takes over.
             upload(&mut *e, "source", &[100u32; 10]);
-            let mut e = backend
-                .prepare(compile(counting_and_doubling(10)), Some(e))
-                .unwrap();
+            e.adopt(compile(counting_and_doubling(10))).unwrap();
             assert_eq!(read(&mut *e, "past"), [past; 10]);
             assert_eq!(
                 read(&mut *e, "total"),
@@ -60,15 +54,30 @@ fn state_carries_over() {
     });
 }
 
+/// What is longer goes on at its front, a history with both of its values; what is shorter starts anew.
 #[test]
-fn another_length_starts_anew() {
+fn what_grows_keeps_what_it_held() {
     watched(|backend| {
-        let mut e = prepare(backend, counting(10));
-        upload(&mut *e, "source", &[1u32; 10]);
-        e.run().unwrap();
-        let mut e = backend.prepare(compile(counting(20)), Some(e)).unwrap();
-        assert_eq!(read(&mut *e, "total"), (0..20).collect::<Vec<u32>>());
-        assert_eq!(read(&mut *e, "past"), [3; 20]);
+        for frames in [1, 2] {
+            let mut e = prepare(backend, counting(10));
+            upload(&mut *e, "source", &[1u32; 10]);
+            let mut past = 3;
+            for _ in 0..frames {
+                e.run().unwrap();
+                past = 2 * past + 1;
+            }
+            e.adopt(compile(counting(20))).unwrap();
+            let total: Vec<u32> = (frames..frames + 10).chain(10..20).collect();
+            assert_eq!(read(&mut *e, "total"), total);
+            assert_eq!(read(&mut *e, "past"), [[past; 10], [3; 10]].concat());
+            e.run().unwrap();
+            assert_eq!(
+                read(&mut *e, "past"),
+                [[2 * past + 1; 10], [7; 10]].concat()
+            );
+            e.adopt(compile(counting(10))).unwrap();
+            assert_eq!(read(&mut *e, "total"), (0..10).collect::<Vec<u32>>());
+        }
     });
 }
 
@@ -91,7 +100,7 @@ fn another_initial_value_starts_anew() {
         let mut e = prepare(backend, graph(1));
         upload(&mut *e, "source", &[5u32, 6]);
         e.run().unwrap();
-        let mut e = backend.prepare(compile(graph(2)), Some(e)).unwrap();
+        e.adopt(compile(graph(2))).unwrap();
         assert_eq!(read(&mut *e, "kept"), [2, 2]);
         assert_eq!(
             read(&mut *e, "source"),
@@ -101,61 +110,17 @@ fn another_initial_value_starts_anew() {
     });
 }
 
-/// An executable that no backend here made.
-struct Stranger(Arc<Schedule>);
-
-impl Executable for Stranger {
-    fn schedule(&self) -> &Arc<Schedule> {
-        &self.0
-    }
-    fn upload(&mut self, _: ResourceId, _: u64, _: &[u8]) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn run(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn run_step(&mut self, _: usize) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn read(&mut self, _: ResourceId) -> Result<Vec<u8>, BackendError> {
-        Ok(Vec::new())
-    }
-    fn reset(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn wait(&mut self) -> Result<(), BackendError> {
-        Ok(())
-    }
-    fn measure(&mut self, _: bool) {}
-    fn timings(&mut self) -> Result<Option<Vec<StepTime>>, BackendError> {
-        Ok(None)
-    }
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
-        self
-    }
-}
-
+/// A schedule that the device cannot have leaves everything as it was.
 #[test]
-fn strangers_are_refused() {
+fn after_an_error_the_old_schedule_goes_on() {
     watched(|backend| {
-        let schedule = compile(counting(10));
-        let stranger = Box::new(Stranger(schedule.clone()));
-        let error = backend.prepare(schedule.clone(), Some(stranger)).err();
-        assert!(
-            matches!(error, Some(BackendError::ForeignExecutable { .. })),
-            "{error:?}"
-        );
-
-        let Some(other) = start() else { return };
-        let of_other = prepare(&other, counting(10));
-        let error = backend.prepare(schedule, Some(of_other)).err();
-        assert!(
-            matches!(error, Some(BackendError::ForeignExecutable { .. })),
-            "{error:?}"
-        );
-        let log = other.validation_log();
-        drop(other);
-        assert_eq!(log.messages(), Vec::<String>::new());
+        let mut e = prepare(backend, counting(10));
+        upload(&mut *e, "source", &[1u32; 10]);
+        e.run().unwrap();
+        assert!(e.adopt(compile(counting(1 << 36))).is_err());
+        e.run().unwrap();
+        assert_eq!(read(&mut *e, "total"), (2..12).collect::<Vec<u32>>());
+        assert_eq!(read(&mut *e, "past"), [15; 10]);
     });
 }
 

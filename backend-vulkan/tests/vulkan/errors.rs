@@ -17,7 +17,7 @@ fn a_broken_kernel_names_its_stage() {
         };
         let out = g.add::<broken::Broken>("group/broken", inputs, Dispatch::Elements(4));
         g.output("target", &out.target_);
-        let error = backend.prepare(compile(g), None).err().unwrap();
+        let error = backend.prepare(compile(g)).err().unwrap();
         let BackendError::Kernel { stage, message } = &error else {
             panic!("{error}")
         };
@@ -38,7 +38,7 @@ fn a_port_without_a_binding_is_named() {
         };
         let out = g.add::<unbound::Unbound>("unbound", inputs, Dispatch::Elements(4));
         g.output("target", &out.target_);
-        let error = backend.prepare(compile(g), None).err().unwrap();
+        let error = backend.prepare(compile(g)).err().unwrap();
         assert!(matches!(error, BackendError::Kernel { .. }), "{error}");
         assert!(error.to_string().contains("`target_`"), "{error}");
     });
@@ -57,7 +57,7 @@ fn a_resource_beyond_the_limit_is_named() {
         };
         let out = g.add::<double::Double>("double", inputs, Dispatch::Elements(4));
         g.output("target", &out.target_);
-        let error = backend.prepare(compile(g), None).err().unwrap();
+        let error = backend.prepare(compile(g)).err().unwrap();
         let BackendError::Limit {
             what, need, limit, ..
         } = &error

@@ -289,7 +289,7 @@ fn more_work_takes_more_time() {
         g.output("few", &few);
         g.output("many", &many);
         let schedule = compile(g);
-        let mut e = backend.prepare(schedule.clone(), None).unwrap();
+        let mut e = backend.prepare(schedule.clone()).unwrap();
         e.run().unwrap(); // compiles, on software devices
         e.measure(true);
         e.run().unwrap();

@@ -1,7 +1,7 @@
 //! Transients that share memory.
+use crate::imports::executable;
 use crate::stages::*;
 use crate::support::{prepare, read, upload, watched};
-use gibs_backend_vulkan::VulkanExecutable;
 use gibs_graph::{Buffer, Dispatch, Executable, Graph};
 
 fn doubled(g: &mut Graph, label: &str, source: &Buffer<u32>, len: u64) -> Buffer<u32> {
@@ -89,8 +89,7 @@ fn sharing_memory_changes_nothing() {
 #[test]
 fn homes_are_the_only_buffers() {
     watched(|backend| {
-        let e = prepare(backend, chain(false));
-        let e = e.into_any().downcast::<VulkanExecutable>().unwrap();
+        let e = executable(backend, chain(false));
         let schedule = e.schedule().clone();
         for (id, resource) in (0..).zip(&schedule.resources) {
             assert!(e.buffer(id).is_some());

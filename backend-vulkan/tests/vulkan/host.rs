@@ -4,6 +4,7 @@ use crate::state::counting;
 use crate::support::{prepare, read, upload};
 use gibs_backend_vulkan::VulkanExecutable;
 use gibs_graph::{Backend, Executable};
+use std::any::Any;
 
 #[test]
 fn the_device_of_an_engine_is_used_and_left_alone() {
@@ -22,7 +23,8 @@ fn the_device_of_an_engine_is_used_and_left_alone() {
         assert_eq!(read(&mut *e, "total"), (2..12).collect::<Vec<u32>>());
 
         let total = e.schedule().resource("total").unwrap();
-        let executable = e.into_any().downcast::<VulkanExecutable>().unwrap();
+        let e: Box<dyn Any> = e;
+        let executable = e.downcast::<VulkanExecutable>().unwrap();
         assert!(executable.buffer(total).is_some());
         assert_eq!(executable.buffer(99), None);
         assert_eq!(executable.schedule().name, "counting");

@@ -198,10 +198,10 @@ fn images_are_adopted() {
         let source = e.schedule().resource("source").unwrap();
         let colors = colors(21, 5);
         e.upload(source, 0, bytemuck::cast_slice(&colors)).unwrap();
-        let mut e = backend.prepare(compile(bytes([7, 3])), Some(e)).unwrap();
+        e.adopt(compile(bytes([7, 3]))).unwrap();
         assert_eq!(values(&e.read(source).unwrap()), colors);
         e.run().unwrap();
-        let mut e = backend.prepare(compile(fulls([3, 7])), Some(e)).unwrap();
+        e.adopt(compile(fulls([3, 7]))).unwrap();
         assert_eq!(values(&e.read(source).unwrap()), [Vec4::ZERO; 21]);
         e.run().unwrap();
     });
@@ -210,7 +210,7 @@ fn images_are_adopted() {
 #[test]
 fn an_image_beyond_the_limit_is_named() {
     watched(|backend| {
-        let error = backend.prepare(compile(bytes([1, 1 << 24])), None).err();
+        let error = backend.prepare(compile(bytes([1, 1 << 24]))).err();
         let Some(BackendError::Limit { what, need, .. }) = &error else {
             panic!("{error:?}")
         };

@@ -4,14 +4,13 @@ use crate::engine::{
 };
 use crate::images::bytes;
 use crate::stages::*;
-use crate::support::{prepare, read};
+use crate::support::{compile, read};
 use gibs_backend_vulkan::ash::vk;
 use gibs_backend_vulkan::{ImageUse, ImportedImage, VulkanBackend, VulkanExecutable};
 use gibs_graph::{BackendError, Dispatch, Executable, Float, Graph, ResourceId, bytemuck};
 
 pub fn executable(backend: &VulkanBackend, graph: Graph) -> VulkanExecutable {
-    let made = prepare(backend, graph).into_any();
-    *made.downcast::<VulkanExecutable>().unwrap()
+    backend.prepare_vulkan(compile(graph)).unwrap()
 }
 
 pub fn id(e: &VulkanExecutable, key: &str) -> ResourceId {

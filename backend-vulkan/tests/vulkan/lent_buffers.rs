@@ -6,7 +6,7 @@ use crate::stages::*;
 use crate::support::{compile, read, upload, watched, words};
 use gibs_backend_vulkan::ImportedImage;
 use gibs_backend_vulkan::ash::vk;
-use gibs_graph::{Backend, BackendError, Dispatch, Executable, Graph, bytemuck};
+use gibs_graph::{BackendError, Dispatch, Executable, Graph, bytemuck};
 
 fn affine() -> Graph {
     let mut g = Graph::new("line");
@@ -73,10 +73,8 @@ fn a_new_schedule_starts_without_imports() {
         // SAFETY: the buffer lives until the engine ends, and is large enough.
         unsafe { e.import_buffer(id(&e, "source"), numbers.buffer) }.unwrap();
         e.run().unwrap();
-        let mut e = backend
-            .prepare(compile(affine()), Some(Box::new(e)))
-            .unwrap();
-        assert_eq!(read(&mut *e, "source"), [10, 20, 30, 40]);
+        e.adopt(compile(affine())).unwrap();
+        assert_eq!(read(&mut e, "source"), [10, 20, 30, 40]);
     });
 }
 

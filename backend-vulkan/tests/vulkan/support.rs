@@ -36,7 +36,7 @@ fn strict() -> bool {
 
 /// A schedule ready to run, without anything adopted.
 pub fn prepare(backend: &VulkanBackend, graph: Graph) -> Box<dyn Executable> {
-    backend.prepare(compile(graph), None).unwrap()
+    backend.prepare(compile(graph)).unwrap()
 }
 
 pub fn compile(graph: Graph) -> Arc<Schedule> {

@@ -106,7 +106,7 @@ fn a_missing_barrier_is_reported() {
         .map(|step| std::mem::take(&mut step.hazards))
         .collect();
     assert!(hazards.iter().flatten().count() > 0);
-    let mut e = backend.prepare(Arc::new(schedule), None).unwrap();
+    let mut e = backend.prepare(Arc::new(schedule)).unwrap();
     assert_eq!(backend.validation_messages(), Vec::<String>::new());
     e.run().unwrap();
     e.wait().unwrap();
@@ -129,7 +129,7 @@ fn no_barrier_is_superfluous() {
         let mut schedule = tangled().compile(None).unwrap();
         schedule.steps[step].hazards.clear();
         let before = backend.validation_messages().len();
-        let mut e = backend.prepare(Arc::new(schedule), None).unwrap();
+        let mut e = backend.prepare(Arc::new(schedule)).unwrap();
         e.run().unwrap();
         e.wait().unwrap();
         let found = backend.validation_messages().len() - before;

@@ -1,4 +1,6 @@
 //! Small stages for the tests. Their CPU kernels do nothing: only devices run here.
+// Every test program uses some of them.
+#![allow(dead_code)]
 use gibs_graph::WgslSource;
 
 const fn source(name: &'static str, text: &'static str) -> WgslSource {

@@ -50,8 +50,8 @@ fn record(g: &mut Graph, frame: SurfelOutputs) {
 }
 
 fn check<S: Stage>(shaders: &impl ShaderCompiler) -> Result<(), GraphErrors> {
-    let (graph, ports) = ("custom_stage".into(), S::ports(), &[]);
-    let checked = shaders.check(S::NAME, &S::kernel(), &ports);
+    let (graph, ports) = ("custom_stage".into(), S::ports());
+    let checked = shaders.check(S::NAME, &S::kernel(), &ports, &[]);
     checked.map_err(|errors| GraphErrors { graph, errors })?;
     println!(
         "{}: its device kernel fits its {} ports",

@@ -12,7 +12,7 @@ const SIDE: u32 = 512;
 const TAPS: u32 = 3;
 
 /// An environment map on the device.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EnvironmentTable {
     /// Side of the map; 1 for a constant sky.
     pub side: u32,

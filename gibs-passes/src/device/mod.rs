@@ -40,6 +40,7 @@ pub struct DeviceScene {
     pub bounds: (Vec3, Vec3),
     /// What was left out or changed, for the user.
     pub warnings: Vec<String>,
+    geometry_warnings: Vec<String>,
 }
 
 impl DeviceScene {
@@ -55,34 +56,48 @@ impl DeviceScene {
         environment: &Environment,
     ) -> Result<Self, BuildError> {
         let (materials, texels) = materials::pack(scene);
-        let mut geometry = geometry::build(scene, pose, origin)?;
+        let geometry = geometry::build(scene, pose, origin)?;
         let emitters = EmitterTable::build(&geometry.tree, &materials);
-        let lights = lights::pack(scene, pose, origin, sun, &mut geometry.warnings);
-        let environment = EnvironmentTable::build(environment);
-        if lights.is_empty() && !shines(scene) && environment.is_black() {
-            geometry.warnings.push(
-                "nothing in the scene or the view shines, so the picture is black; add a light, a sun or a sky"
-                    .to_owned(),
-            );
-        }
-        Ok(Self {
+        let mut built = Self {
             origin,
             tree: geometry.tree,
             wide: geometry.wide,
             corners: geometry.corners,
             materials,
             texels,
-            lights,
+            lights: Vec::new(),
             transforms: pose
                 .world
                 .iter()
                 .map(|world| transform(relative(world, origin)))
                 .collect(),
-            environment,
+            environment: EnvironmentTable::default(),
             emitters,
             bounds: geometry.bounds,
-            warnings: geometry.warnings,
-        })
+            warnings: Vec::new(),
+            geometry_warnings: geometry.warnings,
+        };
+        built.relight(scene, pose, sun, environment);
+        Ok(built)
+    }
+
+    /// Takes other lights, sun and sky for the same geometry; lights at the nodes of `pose`.
+    pub fn relight(
+        &mut self,
+        scene: &Scene,
+        pose: &Pose,
+        sun: Option<&Sun>,
+        environment: &Environment,
+    ) {
+        self.warnings = self.geometry_warnings.clone();
+        self.lights = lights::pack(scene, pose, self.origin, sun, &mut self.warnings);
+        self.environment = EnvironmentTable::build(environment);
+        if self.lights.is_empty() && !shines(scene) && self.environment.is_black() {
+            self.warnings.push(
+                "nothing in the scene or the view shines, so the picture is black; add a light, a sun or a sky"
+                    .to_owned(),
+            );
+        }
     }
 
     /// Length of the diagonal of all geometry, metres; 1 for an empty scene.

@@ -5,7 +5,7 @@ use crate::device::DeviceScene;
 use crate::scene::Camera as SceneCamera;
 use crate::shared::batch;
 use crate::shared::grid::GridLayout;
-use bytemuck::Pod;
+use bytemuck::{Pod, cast_slice};
 use gibs_graph::{BackendError, Buffer, DispatchArgs, Executable, Graph};
 use glam::{DVec3, Vec4};
 
@@ -165,17 +165,37 @@ pub fn upload<T: Pod>(
 /// # Errors
 /// As [`Executable::upload`].
 pub fn upload_scene(exec: &mut dyn Executable, scene: &DeviceScene) -> Result<(), BackendError> {
-    upload(exec, "scene_nodes", &scene.tree.nodes)?;
-    upload(exec, "scene_triangles", &scene.tree.triangles)?;
-    upload(exec, "scene_instances", &scene.tree.instances)?;
-    upload(exec, "scene_corners", &scene.corners)?;
-    upload(exec, "scene_materials", &scene.materials)?;
-    upload(exec, "scene_texels", &scene.texels)?;
-    upload(exec, "scene_lights", &scene.lights)?;
-    upload(exec, "scene_transforms", &scene.transforms)?;
-    upload(exec, "scene_environment", &scene.environment.texels)?;
-    upload(exec, "scene_wide_nodes", &scene.wide.nodes)?;
-    upload(exec, "scene_wide_packets", &scene.wide.packets)
+    upload_scene_where(exec, scene, |_| true)
+}
+
+/// As [`upload_scene`], of the inputs only whose keys are `wanted`.
+///
+/// # Errors
+/// As [`Executable::upload`].
+pub fn upload_scene_where(
+    exec: &mut dyn Executable,
+    scene: &DeviceScene,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<(), BackendError> {
+    let parts: [(&str, &[u8]); 11] = [
+        ("scene_nodes", cast_slice(&scene.tree.nodes)),
+        ("scene_triangles", cast_slice(&scene.tree.triangles)),
+        ("scene_instances", cast_slice(&scene.tree.instances)),
+        ("scene_corners", cast_slice(&scene.corners)),
+        ("scene_materials", cast_slice(&scene.materials)),
+        ("scene_texels", cast_slice(&scene.texels)),
+        ("scene_lights", cast_slice(&scene.lights)),
+        ("scene_transforms", cast_slice(&scene.transforms)),
+        ("scene_environment", cast_slice(&scene.environment.texels)),
+        ("scene_wide_nodes", cast_slice(&scene.wide.nodes)),
+        ("scene_wide_packets", cast_slice(&scene.wide.packets)),
+    ];
+    for (key, bytes) in parts {
+        if wanted(key) {
+            upload(exec, key, bytes)?;
+        }
+    }
+    Ok(())
 }
 
 /// Angle that a pixel in the middle of a picture subtends, radians.

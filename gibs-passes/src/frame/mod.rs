@@ -8,6 +8,7 @@ mod trace;
 
 pub use inputs::{
     FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload, upload_frame, upload_scene,
+    upload_scene_where,
 };
 pub use needs::{Need, needs};
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};

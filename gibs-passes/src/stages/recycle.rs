@@ -58,7 +58,7 @@ fn choose(
         grid: p.grid,
         settings: p.settings,
     };
-    let used = 1.0 - p.counters[0].free as f32 / p.settings.capacity as f32;
+    let used = p.counters[0].live as f32 / p.settings.capacity as f32;
     for i in group.range(p.settings.capacity) {
         let pose = &p.poses[i];
         let mut gone = 0;

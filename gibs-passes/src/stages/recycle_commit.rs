@@ -18,6 +18,6 @@ stage! {
 
 fn kernel(p: &Views<'_>, _: Workgroup) {
     let mut counters = p.counters.get(0);
-    counters.free += p.total[0];
+    counters.live -= p.total[0];
     p.counters.set(0, counters);
 }

@@ -22,7 +22,7 @@ stage! {
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.gone.len() as u32) {
         if p.gone[i] != 0 {
-            let top = (p.counters[0].free + p.ranks[i]) as usize;
+            let top = (p.counters[0].live - 1 - p.ranks[i]) as usize;
             p.free_slots.set(top, i as u32);
             p.poses.set(i, SurfelPose::default());
         }

@@ -68,10 +68,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         p.irradiance.set(slot, SurfelIrradiance::default());
         p.unseen.set(slot, 0);
         if !p.depths.is_empty() {
-            let open = SurfelDepth {
-                texels: [u32::MAX; 16],
-            };
-            p.depths.set(slot, open);
+            p.depths.set(slot, SurfelDepth::OPEN);
         }
     }
 }

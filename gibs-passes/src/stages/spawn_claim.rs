@@ -30,9 +30,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let candidate = p.candidates[tile];
         let first = hash::hash2(p.frame.number, p.frame.seed) % p.total[0].max(1);
         let rank = (p.ranks[tile] + first) % p.total[0].max(1);
-        let free = p.counters[0].free;
-        let claim = if candidate != NONE && rank < free {
-            UVec2::new(p.free_slots[(free - 1 - rank) as usize], candidate)
+        let slot = p.counters[0].live as usize + rank as usize;
+        let claim = if candidate != NONE && slot < p.free_slots.len() {
+            UVec2::new(p.free_slots[slot], candidate)
         } else {
             UVec2::new(NONE, NONE)
         };

@@ -1,5 +1,5 @@
 //! `spawn/spawn_commit`: the free stack after this frame's births.
-use crate::data::SurfelCounters;
+use crate::data::{SurfelCounters, SurfelSettings};
 use gibs_graph::{Workgroup, stage};
 
 stage! {
@@ -8,6 +8,7 @@ stage! {
         wgsl: gibs_shaders::stages::SPAWN_COMMIT,
         workgroup: [1, 1, 1],
         ports: {
+            uniform settings: SurfelSettings,
             read total: u32,
             read_write counters: SurfelCounters,
         },
@@ -19,8 +20,8 @@ stage! {
 fn kernel(p: &Views<'_>, _: Workgroup) {
     let mut counters = p.counters.get(0);
     let wanted = p.total[0];
-    let born = wanted.min(counters.free);
-    counters.free -= born;
+    let born = wanted.min(p.settings.capacity - counters.live);
+    counters.live += born;
     counters.starved = counters.starved.wrapping_add(wanted - born);
     p.counters.set(0, counters);
 }

@@ -79,6 +79,7 @@ fn check(text: String, ports: &[Port]) -> Vec<String> {
             ..Good::kernel()
         },
         ports,
+        &[],
     );
     let describe = |error| match error {
         GraphError::Shader {
@@ -610,4 +611,66 @@ fn images_are_held_against_their_ports() {
         ImageFormat::Float,
     );
     assert!(array[0].contains("no port can be this"), "{array:?}");
+}
+
+/// A kernel for an optional port `x`, with and without it.
+#[test]
+fn optional_ports_are_parts_of_the_kernel() {
+    let text = |condition: &str| {
+        format!(
+            "@group(0) @binding(0) var<storage, read> a: array<u32>;
+             {condition} @group(0) @binding(1) var<storage, read> x: array<u32>;
+             @group(0) @binding(2) var<storage, read_write> b: array<u32>;
+             {condition} fn first() -> u32 {{ return x[0]; }}
+             @if(!x) fn first() -> u32 {{ return 0u; }}
+             @compute @workgroup_size(64) fn main() {{ b[0] = a[0] + first(); }}"
+        )
+    };
+    let port = |name, access, optional| Port {
+        name,
+        access,
+        element: U32,
+        image: None,
+        optional,
+    };
+    let a = port("a", Access::Read, false);
+    let x = port("x", Access::Read, true);
+    let b = port("b", Access::Write, false);
+    let check = |text: String, ports: &[Port], absent: &[Port]| {
+        let wgsl = WgslSource {
+            name: "optional",
+            text: text.leak(),
+            modules: &[],
+            features: &[],
+        };
+        let kernel = KernelSource {
+            wgsl,
+            ..Good::kernel()
+        };
+        match Compiler::new().check("stage", &kernel, ports, absent) {
+            Ok(()) => Vec::new(),
+            Err(found) => found.iter().map(ToString::to_string).collect(),
+        }
+    };
+    let all = [a.clone(), x.clone(), b.clone()];
+    let without = [a, b];
+    let conditional = text("@if(x)");
+    assert_eq!(check(conditional.clone(), &all, &[]), Vec::<String>::new());
+    let left_out = check(conditional.clone(), &without, std::slice::from_ref(&x));
+    assert_eq!(left_out, Vec::<String>::new());
+    // The gap is an optional port's only where there is one.
+    let gap = check(conditional, &without, &[]);
+    assert!(
+        gap.len() == 1 && gap[0].contains("leave no gaps"),
+        "{gap:#?}"
+    );
+    let always = check(
+        text("").replace("@if(!x) fn first() -> u32 { return 0u; }", ""),
+        &without,
+        &[x],
+    );
+    assert!(
+        always.len() == 1 && always[0].contains("put `@if(x)` before the global"),
+        "{always:#?}"
+    );
 }

@@ -98,7 +98,11 @@ impl Surfels {
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
         let (depths_state, depths) = depth
-            .then(|| g.state("surfel_depths", capacity, Initial::Zero))
+            .then(|| {
+                // Where depth functions begin late, nothing is hidden at first.
+                let open = Initial::fill(SurfelDepth::OPEN);
+                g.state("surfel_depths", capacity, open)
+            })
             .unzip();
         let (unseen_state, unseen) = g.state("surfel_unseen", capacity, Initial::Zero);
         (
@@ -154,14 +158,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let capacity = u64::from(settings.surfels);
     let per_point = settings.lights_per_point(sizes.lights());
     let (states, surfels) = Surfels::declare(g, capacity, settings.depth);
-    let counters = g.state(
-        "surfel_counters",
-        1,
-        Initial::fill(SurfelCounters {
-            free: settings.surfels,
-            ..Default::default()
-        }),
-    );
+    let counters = g.state("surfel_counters", 1, Initial::Zero);
     let free_slots = g.state("surfel_free_slots", capacity, Initial::Sequence);
     let seen = screen::see(g, &scene, frame);
 

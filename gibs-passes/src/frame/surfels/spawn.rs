@@ -61,6 +61,7 @@ pub(super) fn spawn_surfels(
         )
         .claims;
     let inputs = spawn_commit::Inputs {
+        settings,
         total: &total,
         counters,
     };
