@@ -127,7 +127,7 @@ impl Gi {
             scene: Arc::new(device_scene(scene, view, view.camera.position)?),
             settings: settings.clone(),
             size,
-            grid: settings.grid(pixel_angle(&view.camera, size)),
+            grid: settings.grid(pixel_angle(&view.camera, size), size),
         };
         let extend = Box::new(extend);
         Ok(Self {

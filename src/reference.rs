@@ -77,7 +77,7 @@ pub fn reference(
     );
     let mut exec = backend.prepare(Arc::new(compile(g)?))?;
     upload_scene(exec.as_mut(), &device)?;
-    let grid = settings.grid(pixel_angle(&view.camera, options.size));
+    let grid = settings.grid(pixel_angle(&view.camera, options.size), options.size);
     let update = FrameUpdate {
         camera: &view.camera,
         size: options.size,

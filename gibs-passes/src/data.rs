@@ -155,6 +155,14 @@ element! {
         clamp: u32,
         /// Most segments of a path beyond its first hit.
         continuations: u32,
+        /// Side of the tiles in each of which a surfel may be born in a frame, texels: 4, 8 or 16.
+        tile: u32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -349,10 +357,10 @@ element! {
         seed: u32,
         /// Segments that may still follow.
         remaining: u32,
-        /// Zero.
-        pad1: u32,
-        /// Zero.
-        pad2: u32,
+        /// Cosine of the segment's ray with the normal where it begins.
+        cosine: f32,
+        /// Density of the ray over the lobe there, 1/sr; negative where the ray was sent to an emitter.
+        density: f32,
     }
 
     /// A pixel of the reference: its path, and the sum of the finished ones.

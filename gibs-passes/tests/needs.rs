@@ -36,7 +36,7 @@ fn frame(screen: Screen, depth: bool) -> SurfelFrame {
     };
     SurfelFrame {
         size: [64, 64],
-        grid: settings.grid(0.01),
+        grid: settings.grid(0.01, [64, 64]),
         settings,
         screen,
     }

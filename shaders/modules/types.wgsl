@@ -106,6 +106,10 @@ struct SurfelSettings {
     depth_blend: f32,
     clamp: u32,
     continuations: u32,
+    tile: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Corners {
@@ -215,8 +219,8 @@ struct Path {
     root: u32,
     seed: u32,
     remaining: u32,
-    pad1: u32,
-    pad2: u32,
+    cosine: f32,
+    density: f32,
 }
 
 struct ReferencePath {

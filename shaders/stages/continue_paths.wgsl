@@ -1,17 +1,20 @@
 // The next segment of each path that goes on: packed, in order, with a ray over the cosine lobe where it is.
+import package::draw::draw_ray;
 import package::hash::{hash_pcg, hash_unit};
 import package::invocation::invocation_index;
+import package::mixture::MIXTURE_TO_EMITTERS;
 import package::octahedral::octahedral_unpack;
-import package::sampling::{sampling_cosine_hemisphere, sampling_start, sampling_to_world};
-import package::types::{DispatchArgs, F32_MAX, Path, Ray, SurfacePoint};
+import package::sampling::sampling_start;
+import package::types::{DispatchArgs, Emitter, Path, Ray, SurfacePoint};
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
 @group(0) @binding(2) var<storage, read> paths: array<Path>;
 @group(0) @binding(3) var<storage, read> goes_on: array<u32>;
 @group(0) @binding(4) var<storage, read> scanned: array<u32>;
-@group(0) @binding(5) var<storage, read_write> next_rays: array<Ray>;
-@group(0) @binding(6) var<storage, read_write> next_paths: array<Path>;
+@if(emitters) @group(0) @binding(5) var<storage, read> emitters: array<Emitter>;
+@group(0) @binding(6) var<storage, read_write> next_rays: array<Ray>;
+@group(0) @binding(7) var<storage, read_write> next_paths: array<Path>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -30,14 +33,18 @@ fn main(
     var path = paths[i];
     let first = hash_pcg(path.seed);
     let second = hash_pcg(first);
+    let third = hash_pcg(second);
     let normal = octahedral_unpack(point.shading_normal);
-    let local = sampling_cosine_hemisphere(hash_unit(first), hash_unit(second));
-    let direction = sampling_to_world(local, normal);
+    let uv = vec2<f32>(hash_unit(first), hash_unit(second));
+    let at_emitter = hash_unit(third) < MIXTURE_TO_EMITTERS;
+    let drawn = draw_ray(point.position, normal, uv, second, at_emitter);
     let geometric = octahedral_unpack(point.geometric_normal);
-    let origin = sampling_start(point.position, geometric, point.offset, direction);
+    let origin = sampling_start(point.position, geometric, point.offset, drawn.direction);
     let slot = scanned[i];
-    next_rays[slot] = Ray(origin, 0.0, direction, F32_MAX);
-    path.seed = second;
+    next_rays[slot] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
+    path.seed = third;
     path.remaining -= 1u;
+    path.cosine = drawn.cosine;
+    path.density = drawn.density;
     next_paths[slot] = path;
 }

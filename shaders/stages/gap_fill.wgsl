@@ -1,4 +1,5 @@
-// The least covered texel of each 16x16 tile, and whether a surfel will be born there. One workgroup per tile.
+// The least covered texel of each tile, and whether a surfel will be born there. A workgroup has one tile of 16x16
+// texels, or several smaller ones.
 import package::coverage::lookup_coverage;
 import package::hash::{hash_hash2, hash_hash3, hash_unit};
 import package::invocation::invocation_group;
@@ -19,11 +20,11 @@ import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDept
 @group(0) @binding(10) var<storage, read_write> candidates: array<u32>;
 @group(0) @binding(11) var<storage, read_write> flags: array<u32>;
 
-/// Side of a tile, texels.
-const TILE: u32 = 16u;
+/// Side of a workgroup, texels: that of the largest tile.
+const GROUP: u32 = 16u;
 
-/// Share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
-var<workgroup> least: atomic<u32>;
+/// Per tile: share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
+var<workgroup> least: array<atomic<u32>, 16>;
 
 /// A pixel sees a surfel.
 fn coverage_seen(id: u32) {
@@ -34,7 +35,7 @@ fn coverage_seen(id: u32) {
 
 /// The texel of a lane.
 fn texel(group: vec3<u32>, lane: u32) -> vec2<u32> {
-    return group.xy * TILE + vec2<u32>(lane % TILE, lane / TILE);
+    return group.xy * GROUP + vec2<u32>(lane % GROUP, lane / GROUP);
 }
 
 @compute @workgroup_size(16, 16)
@@ -43,9 +44,10 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let tile = invocation_group(group, groups);
-    if lane == 0u {
-        atomicStore(&least, NONE);
+    let across = GROUP / settings.tile;
+    let first = invocation_group(group, groups) * across * across;
+    if lane < 16u {
+        atomicStore(&least[lane], NONE);
     }
     workgroupBarrier();
     let at = texel(group, lane);
@@ -55,15 +57,17 @@ fn main(
             let normal = octahedral_unpack(point.shading_normal);
             let coverage = lookup_coverage(point.position, normal);
             let share = min(coverage / settings.coverage, 1.0);
-            let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), lane) & 0xffu;
-            atomicMin(&least, (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
+            let within = lane / GROUP / settings.tile * across + lane % GROUP / settings.tile;
+            let tie = hash_hash3(first + within, hash_hash2(frame.number, frame.seed), lane) & 0xffu;
+            atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
         }
     }
     workgroupBarrier();
-    if lane != 0u {
+    if lane >= across * across {
         return;
     }
-    let found = atomicLoad(&least);
+    let tile = first + lane;
+    let found = atomicLoad(&least[lane]);
     var candidate = NONE;
     if found != NONE {
         let share = f32(found >> 16u) / 65534.0;

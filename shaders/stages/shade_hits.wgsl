@@ -1,11 +1,14 @@
 // Radiance that comes back along each ray, and which paths go on.
 import package::direct::direct_irradiance;
+import package::mixture::{MIXTURE_SLACK, mixture_weight};
+import package::octahedral::octahedral_unpack;
 import package::sky::sky_radiance;
+import package::emitter::emitter_density;
 import package::hash::{hash_pcg, hash_unit};
 import package::invocation::invocation_index;
-import package::surface::{surface_albedo, surface_is_surface};
+import package::surface::{SURFACE_EMITTER, surface_albedo, surface_is_surface};
 import package::types::{DispatchArgs, Frame, Gathered, Path, Ray, SurfacePoint};
-import package::vector::vector_max_element;
+import package::vector::{vector_dot, vector_max_element};
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -20,6 +23,23 @@ import package::vector::vector_max_element;
 
 const FRAC_1_PI: f32 = 0.31830987;
 
+/// What the segment counts, by how its ray was drawn.
+fn factor_of(path: Path, ray: Ray, point: SurfacePoint) -> f32 {
+    let is_emitter = surface_is_surface(point) && (point.albedo_b_flags & SURFACE_EMITTER) != 0u;
+    let d = point.position - ray.origin;
+    let distance = sqrt(vector_dot(d, d));
+    let arrives = is_emitter && distance >= ray.t_max * (1.0 - 2.0 * MIXTURE_SLACK);
+    if path.density < 0.0 && !arrives {
+        return 0.0;
+    }
+    var drawn_there = 0.0;
+    if is_emitter {
+        let facing = -vector_dot(octahedral_unpack(point.geometric_normal), ray.direction);
+        drawn_there = emitter_density(frame, point.emission, facing, distance);
+    }
+    return mixture_weight(path.cosine, abs(path.density), drawn_there);
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -32,6 +52,7 @@ fn main(
     }
     let path = paths[i];
     let point = points[i];
+    let factor = factor_of(path, rays[i], point);
     var goes = 0u;
     var added: vec3<f32>;
     if surface_is_surface(point) {
@@ -46,9 +67,9 @@ fn main(
         } else {
             arriving += gathered[i].irradiance * gathered[i].confidence;
         }
-        if path.remaining != 0u && hash_unit(seed) < (1.0 - trusted) * largest {
+        if path.remaining != 0u && factor > 0.0 && hash_unit(seed) < (1.0 - trusted) * largest {
             goes = 1u;
-            paths[i].throughput = path.throughput * albedo / largest;
+            paths[i].throughput = path.throughput * factor * albedo / largest;
             paths[i].seed = seed;
         }
         added = point.emission + albedo * FRAC_1_PI * arriving;
@@ -56,6 +77,6 @@ fn main(
         added = sky_radiance(frame.environment_side, rays[i].direction);
     }
     let sum = radiance[path.root];
-    radiance[path.root] = sum + vec4<f32>(path.throughput * added, 0.0);
+    radiance[path.root] = sum + vec4<f32>(path.throughput * factor * added, 0.0);
     goes_on[i] = goes;
 }

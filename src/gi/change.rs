@@ -49,7 +49,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         settings.check()?;
-        let grid = settings.grid(pixel_angle(camera, self.parts.size));
+        let grid = settings.grid(pixel_angle(camera, self.parts.size), self.parts.size);
         self.change(
             exec,
             Parts {
@@ -72,7 +72,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         check_size(size)?;
-        let grid = self.parts.settings.grid(pixel_angle(camera, size));
+        let grid = self.parts.settings.grid(pixel_angle(camera, size), size);
         self.change(
             exec,
             Parts {
@@ -146,7 +146,7 @@ impl Gi {
         view: &View,
     ) -> Result<(), RenderError> {
         let Parts { settings, size, .. } = &self.parts;
-        let grid = settings.grid(pixel_angle(&view.camera, *size));
+        let grid = settings.grid(pixel_angle(&view.camera, *size), *size);
         let scene = Arc::new(device_scene(scene, view, view.camera.position)?);
         self.change(
             exec,

@@ -29,6 +29,8 @@ pub struct SceneSizes {
     pub(super) cut_outs: bool,
     /// Light comes from the sky.
     pub(super) sky: bool,
+    /// Emissive triangles that sampling covers; zero for none.
+    pub(super) emitters: u64,
 }
 
 impl SceneSizes {
@@ -52,6 +54,10 @@ impl SceneSizes {
                 .any(|m| m.base_texels != NONE || m.emission_texels != NONE),
             cut_outs: scene.tree.triangles.iter().any(Triangle::needs_alpha_test),
             sky: !scene.environment.is_black(),
+            emitters: match scene.emitters.power > 0.0 {
+                true => scene.emitters.emitters.len() as u64,
+                false => 0,
+            },
         }
     }
 
@@ -73,6 +79,11 @@ impl SceneSizes {
     /// The same with or without triangles that have an alpha test.
     pub fn with_cut_outs(self, cut_outs: bool) -> Self {
         Self { cut_outs, ..self }
+    }
+
+    /// The same with another number of emissive triangles.
+    pub fn with_emitters(self, emitters: u64) -> Self {
+        Self { emitters, ..self }
     }
 
     /// Number of lights.
@@ -97,6 +108,7 @@ pub struct SceneInputs {
     pub lights: Buffer<Light>,
     pub transforms: Buffer<Transform>,
     pub environment: Buffer<Vec4>,
+    pub emitters: Buffer<Emitter>,
     pub wide_nodes: Buffer<WideNode>,
     pub wide_packets: Buffer<WidePacket>,
     pub camera: Buffer<Camera>,
@@ -118,6 +130,7 @@ impl SceneInputs {
             lights: g.input("scene_lights", sizes.lights),
             transforms: g.input("scene_transforms", sizes.transforms),
             environment: g.input("scene_environment", sizes.environment),
+            emitters: g.input("scene_emitters", sizes.emitters),
             wide_nodes: g.input("scene_wide_nodes", sizes.wide_nodes),
             wide_packets: g.input("scene_wide_packets", sizes.wide_packets),
             camera: g.input("camera", 1),
@@ -137,6 +150,11 @@ impl SceneInputs {
     /// Texels; `None` in a scene without textures.
     pub fn textures(&self) -> Option<&Buffer<u32>> {
         self.sizes.textured.then_some(&self.texels)
+    }
+
+    /// Emissive triangles; `None` where there are none.
+    pub fn emitters(&self) -> Option<&Buffer<Emitter>> {
+        (self.sizes.emitters > 0).then_some(&self.emitters)
     }
 
     /// The environment; `None` under a black sky.
@@ -177,7 +195,7 @@ pub fn upload_scene_where(
     scene: &DeviceScene,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<(), BackendError> {
-    let parts: [(&str, &[u8]); 11] = [
+    let parts: [(&str, &[u8]); 12] = [
         ("scene_nodes", cast_slice(&scene.tree.nodes)),
         ("scene_triangles", cast_slice(&scene.tree.triangles)),
         ("scene_instances", cast_slice(&scene.tree.instances)),
@@ -187,6 +205,7 @@ pub fn upload_scene_where(
         ("scene_lights", cast_slice(&scene.lights)),
         ("scene_transforms", cast_slice(&scene.transforms)),
         ("scene_environment", cast_slice(&scene.environment.texels)),
+        ("scene_emitters", cast_slice(&scene.emitters.emitters)),
         ("scene_wide_nodes", cast_slice(&scene.wide.nodes)),
         ("scene_wide_packets", cast_slice(&scene.wide.packets)),
     ];
@@ -255,6 +274,10 @@ pub fn upload_frame(
         lights: scene.lights.len() as u32,
         lights_per_point: settings.lights_per_point(scene.lights.len() as u64),
         environment_side: scene.environment.side,
+        emitter_power: match settings.emitters {
+            true => scene.emitters.power,
+            false => 0.0,
+        },
         ..Frame::default()
     };
     upload(exec, "camera", &[camera])?;
@@ -266,7 +289,7 @@ pub fn upload_frame(
             .grid
             .at(camera.eye, scene.extent() * settings.grid_half)],
     )?;
-    upload(exec, "settings", &[settings.device()])?;
+    upload(exec, "settings", &[settings.device(update.size)])?;
     upload(
         exec,
         "pixels",

@@ -62,6 +62,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             sizes.with_sky(!sizes.sky),
         )?,
         scene(
+            "emitter sampling",
+            sizes.emitters > 0 && settings.emitters,
+            match settings.emitters {
+                true => counted(sizes.emitters, "emissive triangle"),
+                false => "the setting emitters = off".into(),
+            },
+            sizes.with_emitters(u64::from(sizes.emitters == 0)),
+        )?,
+        scene(
             "textures",
             sizes.textured,
             has(sizes.textured, "textures"),

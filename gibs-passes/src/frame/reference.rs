@@ -5,7 +5,7 @@
 use super::inputs::upload;
 use super::trace::{Batch, direct_light, gbuffer, surfaces, visibility};
 use super::{SceneInputs, SceneSizes};
-use crate::data::{Emitter, Frame, ReferencePath, SurfacePoint};
+use crate::data::{Frame, ReferencePath, SurfacePoint};
 use crate::device::DeviceScene;
 use crate::shared::batch;
 use crate::stages::{
@@ -65,10 +65,6 @@ pub fn reference_frame(
         fixed: true,
     };
     let primary: Buffer<SurfacePoint> = g.input("primary", most);
-    let emitters: Buffer<Emitter> = g.input(
-        "scene_emitters",
-        scene_tables.emitters.emitters.len() as u64,
-    );
     let sky: Buffer<f32> = g.input(
         "scene_sky_cumulative",
         scene_tables.environment.cumulative.len() as u64,
@@ -115,7 +111,7 @@ pub fn reference_frame(
             frame: &scene.frame,
             vertices: &scattered.vertices,
             paths: &scattered.paths,
-            emitters: &emitters,
+            emitters: &scene.emitters,
             environment: &scene.environment,
             sky_cumulative: &sky,
             rays,
@@ -177,7 +173,6 @@ pub fn upload_reference(
     };
     upload(exec, "frame", &[frame])?;
     if update.number == 0 {
-        upload(exec, "scene_emitters", &scene.emitters.emitters)?;
         upload(exec, "scene_sky_cumulative", &scene.environment.cumulative)?;
         upload(
             exec,

@@ -1,6 +1,7 @@
 //! Every setting of the surfel frame, with unit, default and range.
 use crate::data::SurfelSettings;
 use crate::shared::grid::GridLayout;
+use crate::stages::gap_fill::{GROUP, LEAST_TILE};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -25,6 +26,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub clamp: bool,
     /// See [`Settings::all`].
+    pub emitters: bool,
+    /// See [`Settings::all`].
     pub lights: u32,
     /// See [`Settings::all`].
     pub continuations: u32,
@@ -45,12 +48,13 @@ impl Default for Settings {
         Self {
             surfels: 65_536,
             rays: 100_000,
-            radius: 8.0,
+            radius: 0.0,
             coverage: 1.0,
             lookup: 128,
             depth: true,
             depth_blend: 0.05,
             clamp: false,
+            emitters: true,
             lights: 4,
             continuations: 8,
             grid_side: 0,
@@ -172,12 +176,13 @@ macro_rules! settings {
 settings! {
     surfels: u32, "surfels", 1, 1_048_576, "capacity of the surfel buffers";
     rays: u32, "rays/frame", 0, 4_000_000, "global budget of surfel rays";
-    radius: f32, "pixels", 1.0, 64.0, "target radius of a surfel on screen";
+    radius: f32, "pixels", 0.0, 64.0, "target radius of a surfel on screen; 0 to fit as many as there is room for";
     coverage: f32, "", 0.1, 8.0, "summed weight of surfels at which spawning stops";
     lookup: u32, "surfels", 1, 4096, "most surfels that a lookup visits in a cell";
     depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
     depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
+    emitters: bool, "", 0.0, 1.0, "send a share of the rays to emissive triangles";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
     grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice, at least 4; 0 to fit the surfels";
@@ -193,13 +198,39 @@ impl Settings {
         lights.min(u64::from(self.lights)) as u32
     }
 
+    /// Target radius of a surfel in a picture of this size, pixels.
+    ///
+    /// Surfels of radius r, each with two thirds of pi r^2 of weight, cover a picture with the coverage at which spawning
+    /// stops when there are about `SURFELS_PER_DISC` times as many as discs fit. Fitted, they take `SHARE_IN_VIEW` of the
+    /// capacity; the rest is for what the camera has left behind.
+    pub fn radius_in(&self, size: [u32; 2]) -> f32 {
+        const SHARE_IN_VIEW: f32 = 0.4;
+        const SURFELS_PER_DISC: f32 = 2.5;
+        const LEAST: f32 = 1.0;
+        if self.radius > 0.0 {
+            return self.radius.max(LEAST);
+        }
+        let pixels = size[0] as f32 * size[1] as f32;
+        let surfels = self.surfels as f32 * SHARE_IN_VIEW;
+        let fitting = (SURFELS_PER_DISC * pixels / (surfels * std::f32::consts::PI)).sqrt();
+        fitting.clamp(LEAST, 16.0)
+    }
+
+    /// Side of the tiles in each of which a surfel may be born in a frame: about as wide as one, within what the stage
+    /// allows.
+    pub fn tile_in(&self, size: [u32; 2]) -> u32 {
+        let wide = (2.0 * self.radius_in(size)) as u32;
+        wide.next_power_of_two().clamp(LEAST_TILE, GROUP)
+    }
+
     /// The grid's shape for a picture where a pixel subtends this angle, radians.
     ///
     /// Cells are about three target radii wide: wide enough that the grid does not limit radii, narrow enough that
     /// lists stay short.
-    pub fn grid(&self, pixel_angle: f32) -> GridLayout {
+    pub fn grid(&self, pixel_angle: f32, size: [u32; 2]) -> GridLayout {
         const RADII_PER_CELL: f32 = 3.0;
-        let fitting = 2.0 / (RADII_PER_CELL * self.radius * pixel_angle.max(1e-6));
+        let radius = self.radius_in(size);
+        let fitting = 2.0 / (RADII_PER_CELL * radius * pixel_angle.max(1e-6));
         let side = if self.grid_side == 0 {
             (fitting as u32).clamp(4, 48)
         } else {
@@ -209,16 +240,18 @@ impl Settings {
     }
 
     /// The settings as stages see them.
-    pub fn device(&self) -> SurfelSettings {
+    pub fn device(&self, size: [u32; 2]) -> SurfelSettings {
         SurfelSettings {
             capacity: self.surfels,
             ray_budget: self.rays,
-            radius_pixels: self.radius,
+            radius_pixels: self.radius_in(size),
             coverage: self.coverage,
             lookup: self.lookup,
             depth_blend: self.depth_blend,
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
+            tile: self.tile_in(size),
+            ..SurfelSettings::default()
         }
     }
 }

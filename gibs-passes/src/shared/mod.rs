@@ -8,6 +8,7 @@ pub mod gbuffer;
 pub mod grid;
 pub mod hash;
 pub mod lookup;
+pub mod mixture;
 pub mod octahedral;
 pub mod portable;
 pub mod recycling;

@@ -11,7 +11,7 @@ stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
     /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
-    /// over. One workgroup per tile.
+    /// over. A workgroup has one tile of 16x16 texels, or several smaller ones.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],
@@ -34,8 +34,13 @@ stage! {
     }
 }
 
-/// Side of a tile, texels.
-pub const TILE: u32 = 16;
+/// Side of a workgroup, texels: that of the largest tile.
+pub const GROUP: u32 = 16;
+
+/// Side of the smallest tile, texels.
+pub const LEAST_TILE: u32 = 4;
+
+const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     fill(p, group, |point, normal, surfels, unseen| {
@@ -72,11 +77,13 @@ fn fill(
         grid: p.grid,
         settings: p.settings,
     };
-    let tile = group.linear();
-    let mut least = NONE;
-    for lane in 0..TILE * TILE {
-        let x = group.id[0] * TILE + lane % TILE;
-        let y = group.id[1] * TILE + lane / TILE;
+    let across = GROUP / p.settings.tile;
+    let first = group.linear() * across * across;
+    let mut least = [NONE; MOST_TILES];
+    for lane in 0..GROUP * GROUP {
+        let (column, row) = (lane % GROUP, lane / GROUP);
+        let x = group.id[0] * GROUP + column;
+        let y = group.id[1] * GROUP + row;
         if x >= p.camera.width || y >= p.camera.height {
             continue;
         }
@@ -87,20 +94,25 @@ fn fill(
         let normal = octahedral::unpack(point.shading_normal);
         let coverage = coverage(point.position, normal, &surfels, p.unseen);
         let share = (coverage / p.settings.coverage).min(1.0);
-        let tie = hash::hash3(tile, hash::hash2(p.frame.number, p.frame.seed), lane) & 0xff;
-        least = least.min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);
+        let within = row / p.settings.tile * across + column / p.settings.tile;
+        let frame = hash::hash2(p.frame.number, p.frame.seed);
+        let tie = hash::hash3(first + within, frame, lane) & 0xff;
+        let least = &mut least[within as usize];
+        *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);
     }
-    let mut candidate = NONE;
-    if least != NONE {
-        let share = (least >> 16) as f32 / 65_534.0;
-        let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
-        if random < 1.0 - share {
-            let lane = least & 0xff;
-            let x = group.id[0] * TILE + lane % TILE;
-            let y = group.id[1] * TILE + lane / TILE;
-            candidate = y * p.camera.width + x;
+    for (tile, &least) in (first..).zip(&least[..(across * across) as usize]) {
+        let mut candidate = NONE;
+        if least != NONE {
+            let share = (least >> 16) as f32 / 65_534.0;
+            let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
+            if random < 1.0 - share {
+                let lane = least & 0xff;
+                let x = group.id[0] * GROUP + lane % GROUP;
+                let y = group.id[1] * GROUP + lane / GROUP;
+                candidate = y * p.camera.width + x;
+            }
         }
+        p.candidates.set(tile as usize, candidate);
+        p.flags.set(tile as usize, u32::from(candidate != NONE));
     }
-    p.candidates.set(tile as usize, candidate);
-    p.flags.set(tile as usize, u32::from(candidate != NONE));
 }

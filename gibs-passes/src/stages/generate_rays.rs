@@ -1,13 +1,16 @@
-//! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1).
-use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::{hash, sampling};
+//! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1), and to emitters (L6).
+use crate::data::{
+    Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
+};
+use crate::shared::{hash, mixture, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
 stage! {
     /// Draws each surfel's rays with density `cos / pi` (GIBS, "Importance Sampling the BRDF") from its own shifted
-    /// low-discrepancy sequence, which goes on from frame to frame.
+    /// low-discrepancy sequence, which goes on from frame to frame. In a scene with emissive triangles, a share of them
+    /// goes to points on those, drawn by power.
     pub stage GenerateRays {
         wgsl: gibs_shaders::stages::GENERATE_RAYS,
         workgroup: [64, 1, 1],
@@ -18,6 +21,7 @@ stage! {
             read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
             read offsets: u32,
+            optional_read emitters: Emitter,
             write rays: Ray,
             write paths: Path,
         },
@@ -35,14 +39,22 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 
 #[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    let emitters = !p.emitters.is_empty();
     for i in group.range(p.poses.len() as u32) {
         let (first, last) = (p.offsets[i], p.offsets[i + 1]);
         let pose = &p.poses[i];
-        let seed = hash::hash2(pose.identity, p.frame.seed);
-        let shift = (hash::hash2(seed, 0), hash::hash2(seed, 1));
+        let surfel = hash::hash2(pose.identity, p.frame.seed);
+        let shift = (hash::hash2(surfel, 0), hash::hash2(surfel, 1));
         for ray in first..last {
-            let (u, v) = sampling::r2(p.irradiance[i].samples + (ray - first), shift);
-            let direction = sampling::to_world(sampling::cosine_hemisphere(u, v), pose.normal);
+            let index = p.irradiance[i].samples + (ray - first);
+            let seed = hash::hash3(surfel, p.frame.number, ray - first);
+            let uv = sampling::r2(index, shift);
+            let drawn = if emitters && mixture::goes_to_emitter(index, hash::hash2(surfel, 2)) {
+                mixture::to_emitter(&p.emitters, pose.position, pose.normal, uv, seed)
+            } else {
+                mixture::over_the_lobe(pose.normal, uv, emitters)
+            };
+            let direction = drawn.direction;
             let origin = sampling::start(pose.position, pose.normal, p.births[i].offset, direction);
             p.rays.set(
                 ray as usize,
@@ -50,10 +62,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                     origin,
                     t_min: 0.0,
                     direction,
-                    t_max: f32::MAX,
+                    t_max: drawn.t_max,
                 },
             );
-            let seed = hash::hash3(seed, p.frame.number, ray - first);
             p.paths.set(
                 ray as usize,
                 Path {
@@ -61,7 +72,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                     root: ray,
                     seed,
                     remaining: p.settings.continuations,
-                    ..Path::default()
+                    cosine: drawn.cosine,
+                    density: drawn.density,
                 },
             );
         }

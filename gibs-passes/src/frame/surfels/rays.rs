@@ -47,6 +47,7 @@ pub(super) fn integrate_rays(
         Dispatch::Elements(capacity + 1),
     );
     g.output("rays", &allocated.batch);
+    let emitters = scene.emitters().filter(|_| settings.emitters);
     let rays = g.transient("surfel_rays", budget);
     let paths = g.transient("surfel_paths", budget);
     let generated = g.add::<generate_rays::GenerateRays>(
@@ -58,6 +59,7 @@ pub(super) fn integrate_rays(
             births: &surfels.births,
             irradiance: &surfels.irradiance,
             offsets: &allocated.offsets,
+            emitters,
             rays,
             paths,
         },
@@ -128,6 +130,7 @@ pub(super) fn integrate_rays(
             &points,
             &shaded.paths,
             &shaded.goes_on,
+            emitters,
         );
     }
     let has_depth = surfels.depths.is_some();
@@ -160,6 +163,7 @@ struct Segment {
     paths: Buffer<Path>,
 }
 
+#[allow(clippy::too_many_arguments, reason = "the ports of the stage")]
 fn continue_segment(
     g: &mut Graph,
     depth: u32,
@@ -168,6 +172,7 @@ fn continue_segment(
     points: &Buffer<SurfacePoint>,
     paths: &Buffer<Path>,
     goes_on: &Buffer<u32>,
+    emitters: Option<&Buffer<Emitter>>,
 ) -> Segment {
     let next = depth + 1;
     let (scanned, total) = exclusive_scan(g, &format!("persistent/path_scan_{next}"), goes_on);
@@ -190,6 +195,7 @@ fn continue_segment(
             paths,
             goes_on,
             scanned: &scanned,
+            emitters,
             next_rays,
             next_paths,
         },

@@ -18,11 +18,9 @@ pub(super) fn spawn_surfels(
     counters: Buffer<SurfelCounters>,
     free_slots: &Buffer<u32>,
 ) -> (Surfels, Buffer<SurfelCounters>) {
-    let across = [
-        frame.size[0].div_ceil(gap_fill::TILE),
-        frame.size[1].div_ceil(gap_fill::TILE),
-    ];
-    let tiles = u64::from(across[0]) * u64::from(across[1]);
+    let groups = frame.size.map(|side| side.div_ceil(gap_fill::GROUP));
+    let per_group = (gap_fill::GROUP / frame.settings.tile_in(frame.size)).pow(2);
+    let tiles = u64::from(groups[0]) * u64::from(groups[1]) * u64::from(per_group);
     let candidates = g.transient("spawn_candidates", tiles);
     let flags = g.transient("spawn_flags", tiles);
     let found = g.add::<gap_fill::GapFill>(
@@ -41,7 +39,7 @@ pub(super) fn spawn_surfels(
             candidates,
             flags,
         },
-        Dispatch::Groups([across[0], across[1], 1]),
+        Dispatch::Groups([groups[0], groups[1], 1]),
     );
     let (ranks, total) = exclusive_scan(g, "spawn/rank", &found.flags);
     let claims = g.transient("spawn_claims", tiles);
