@@ -157,8 +157,8 @@ element! {
         continuations: u32,
         /// Side of the tiles in each of which a surfel may be born in a frame, texels: 4, 8 or 16.
         tile: u32,
-        /// Zero.
-        pad0: u32,
+        /// 1 where the variance of surfels decides about their rays.
+        steered: u32,
         /// Zero.
         pad1: u32,
         /// Zero.
@@ -361,6 +361,14 @@ element! {
         cosine: f32,
         /// Density of the ray over the lobe there, 1/sr; negative where the ray was sent to an emitter.
         density: f32,
+    }
+
+    /// The guide of a surfel (GIBS, "Ray Guiding"): 6x6 bytes of relative luminance over its hemisphere.
+    pub struct SurfelGuide {
+        /// Four texels each, row by row, the first in the lowest byte.
+        texels: [u32; 9],
+        /// Luminance of one step, the upper half of an `f32`, in bits 16-31; rays learned from in bits 0-15.
+        scale: u32,
     }
 
     /// A pixel of the reference: its path, and the sum of the finished ones.
