@@ -47,7 +47,7 @@ fn bytes_and_steps_that_are_not_there_are_errors() {
             ..
         })
     ));
-    assert!(matches!(run.read(99), Err(BackendError::Range { .. })));
+    assert!(matches!(run.read(99), Err(BackendError::Refused { .. })));
     assert!(matches!(
         run.run_step(99),
         Err(BackendError::Refused { .. })
