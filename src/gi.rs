@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 /// The images of an engine that a frame with [`Screen::Imported`] works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum HostImage {
     /// Depth, in the first component.
     Depth,

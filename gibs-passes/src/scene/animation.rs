@@ -26,6 +26,7 @@ pub struct Channel {
 
 /// Values of a channel.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Keyframes {
     /// Translations, metres.
     Translation(Vec<DVec3>),
@@ -37,6 +38,7 @@ pub enum Keyframes {
 
 /// Interpolation between keyframes (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Interpolation {
     /// Straight line; great circle for rotations.
     #[default]

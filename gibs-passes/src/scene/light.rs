@@ -19,6 +19,7 @@ pub const MOST_RADIANCE: f32 = 1e13;
 
 /// Shape of a punctual light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LightKind {
     /// From infinitely far.
     Directional,
@@ -44,6 +45,7 @@ pub struct Sun {
 
 /// What a ray sees that leaves the scene.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Environment {
     /// The same radiance from everywhere, W/(m^2 sr).
     Constant(Vec3),

@@ -3,6 +3,7 @@ use glam::{Affine2, Vec3};
 
 /// How alpha acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
@@ -76,6 +77,7 @@ pub struct Sampler {
 
 /// What lies outside the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Wrap {
     /// The texture again.
     #[default]

@@ -68,6 +68,7 @@ pub struct Node {
 
 /// Transform of a node to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LocalTransform {
     /// Separate parts, which clips may animate.
     Parts {

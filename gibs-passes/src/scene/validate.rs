@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 
 /// What is wrong with a scene. The text names the element, the value and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneDataError {
     /// An index points past the end of its list.
     #[error(
