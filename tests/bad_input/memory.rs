@@ -819,7 +819,8 @@ fn descriptions_of_gbuffers_that_mean_nothing_are_named() {
     let mut running = Running::new(Screen::Imported);
     let camera = whole().1.camera;
     let sound = HostGbuffer::perspective(0.1, None, true).expect("planes");
-    let cases: [(fn(&mut HostGbuffer), [&str; 2]); 11] = [
+    type Breaks = fn(&mut HostGbuffer);
+    let cases: [(Breaks, [&str; 2]); 11] = [
         (
             |h| h.depth_scale = f32::NAN,
             ["`depth_scale`", "is NaN; it must be finite and not zero"],
