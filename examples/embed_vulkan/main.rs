@@ -146,7 +146,7 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
     // SAFETY: all that they refer to is dropped after `frames`, which waits for them.
     unsafe { frames.submit() }?;
 
-    let near_far = HostGbuffer::perspective(raster::NEAR.into(), Some(raster::FAR.into()), false);
+    let near_far = HostGbuffer::perspective(raster::NEAR.into(), Some(raster::FAR.into()), false)?;
     let conventions = HostGbuffer {
         normals: NORMALS_OCTAHEDRAL,
         ..near_far

@@ -79,7 +79,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     }
 
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-    let conventions = HostGbuffer::perspective(NEAR.into(), None, true);
+    let conventions = HostGbuffer::perspective(NEAR.into(), None, true)?;
     for _ in 0..FRAMES {
         let mut encoder = device.create_command_encoder(&Default::default());
         for (view, lit) in views.iter().zip(&mut lit) {

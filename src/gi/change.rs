@@ -1,6 +1,6 @@
 //! Changes of what is lit, between frames: a new schedule that keeps every surfel that can be kept.
 use super::{Extend, Gi, Parts};
-use crate::renderer::{RenderError, check_size, compile, device_scene};
+use crate::renderer::{RenderError, check_camera, check_size, compile, device_scene, refused};
 use crate::view::View;
 use gibs_graph::{Executable, Graph, Kind, Schedule};
 use gibs_passes::device::DeviceScene;
@@ -49,6 +49,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         settings.check()?;
+        check_camera(camera)?;
         let grid = settings.grid(pixel_angle(camera, self.parts.size), self.parts.size);
         self.change(
             exec,
@@ -72,6 +73,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         check_size(size)?;
+        check_camera(camera)?;
         let grid = self.parts.settings.grid(pixel_angle(camera, size), size);
         self.change(
             exec,
@@ -96,7 +98,8 @@ impl Gi {
     ) -> Result<(), RenderError> {
         let pose = scene.pose(&view.animation);
         let mut lit = DeviceScene::clone(&self.parts.scene);
-        lit.relight(scene, &pose, view.sun.as_ref(), &view.environment);
+        lit.relight(scene, &pose, view.sun.as_ref(), &view.environment)
+            .map_err(refused(scene))?;
         let scene = Arc::new(lit);
         self.change(
             exec,

@@ -19,7 +19,7 @@ pub enum AlphaMode {
 pub struct Material {
     /// Name for reports; may be empty.
     pub name: String,
-    /// Linear base colour factor (albedo).
+    /// Linear base colour factor (albedo), 0..1.
     pub base_color: Vec3,
     /// Alpha factor, multiplied with the texture's alpha.
     pub alpha: f32,
