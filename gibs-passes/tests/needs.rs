@@ -53,15 +53,18 @@ fn compile(frame: &SurfelFrame, sizes: &SceneSizes) -> Schedule {
 /// Every combination of needs compiles, and what it leaves out is neither bound nor allocated.
 #[test]
 fn every_combination_of_needs_is_a_frame_of_its_own() {
-    for combination in 0..64u32 {
+    for combination in 0..256u32 {
         let bit = |i: u32| combination >> i & 1 != 0;
         let screen = [Screen::Traced, Screen::Imported][usize::from(bit(0))];
         let sizes = sizes()
             .with_lights(u64::from(bit(1)))
             .with_sky(bit(2))
             .with_textures(bit(3))
-            .with_cut_outs(bit(4));
-        let schedule = compile(&frame(screen, bit(5)), &sizes);
+            .with_cut_outs(bit(4))
+            .with_emitters(u64::from(bit(6)));
+        let mut frame = frame(screen, bit(5));
+        frame.settings.guiding = bit(7);
+        let schedule = compile(&frame, &sizes);
         let ports = |port: &str| {
             schedule
                 .dispatches()
@@ -76,6 +79,8 @@ fn every_combination_of_needs_is_a_frame_of_its_own() {
         assert_eq!(has("scene_environment"), bit(2), "{combination:b}");
         assert_eq!(has("scene_texels"), bit(3), "{combination:b}");
         assert_eq!(has("surfel_depths"), bit(5), "{combination:b}");
+        assert_eq!(has("scene_emitters"), bit(6), "{combination:b}");
+        assert_eq!(has("surfel_guides"), bit(7), "{combination:b}");
         let traces_materials = ports("materials").iter().any(|l| l.contains("ray_trace"));
         assert_eq!(traces_materials, bit(4), "{combination:b}");
         let traces_texels = ports("texels").iter().any(|l| l.contains("ray_trace"));
@@ -108,9 +113,11 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
         [
             ("direct light", false),
             ("sky", false),
+            ("emitter sampling", false),
             ("textures", false),
             ("cut-outs", false),
             ("depth functions", true),
+            ("ray guiding", false),
             ("paths beyond a hit", true),
             ("irradiance at points", true)
         ]
