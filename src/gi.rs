@@ -1,19 +1,21 @@
 //! Global illumination of a scene, apart from any device: what to run, and what to tell it each frame.
 mod change;
+mod lit;
 
 use crate::query::{self, Irradiance};
-use crate::renderer::{RenderError, check_camera, check_size, device_scene};
+use crate::renderer::{RenderError, Shaders, check_camera, check_size};
 use crate::view::View;
 use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelOutputs, needs, pixel_angle, upload,
-    upload_frame, upload_scene,
+    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
+    pixel_angle, surfel_frame, upload, upload_frame, upload_scene,
 };
 use gibs_passes::scene::{Camera, Scene};
 use gibs_passes::shared::grid::GridLayout;
 use glam::{DVec3, Vec3};
+use lit::Lit;
 use std::sync::Arc;
 
 /// The images of an engine that a frame with [`Screen::Imported`] works on.
@@ -75,20 +77,55 @@ impl HostImage {
 /// ```
 pub struct Gi {
     parts: Parts,
+    /// What the schedule was made from.
+    plan: Plan,
     schedule: Arc<Schedule>,
     screen: Screen,
     seed: u32,
     frame: u32,
+    /// A frame was begun since the last change, so that what it makes belongs to this scene, size and schedule.
+    begun: bool,
     extend: Box<Extend>,
+    shaders: Shaders,
 }
 
-/// What decides about the schedule, and may change.
+/// What is lit and how, which may change.
 #[derive(Clone, Debug)]
 struct Parts {
-    scene: Arc<DeviceScene>,
+    lit: Arc<Lit>,
     settings: Settings,
     size: [u32; 2],
     grid: GridLayout,
+}
+
+/// What decides about the schedule.
+#[derive(Clone, Debug, PartialEq)]
+struct Plan {
+    frame: SurfelFrame,
+    sizes: SceneSizes,
+}
+
+impl Parts {
+    fn plan(&self, screen: Screen) -> Plan {
+        Plan {
+            frame: SurfelFrame {
+                size: self.size,
+                grid: self.grid,
+                settings: self.settings.clone(),
+                screen,
+            },
+            sizes: self.lit.sizes,
+        }
+    }
+}
+
+impl Plan {
+    fn schedule(&self, extend: &Extend, shaders: &Shaders) -> Result<Schedule, RenderError> {
+        let mut g = Graph::new("surfels");
+        let outputs = surfel_frame(&mut g, &self.frame, &self.sizes);
+        extend(&mut g, outputs);
+        Ok(shaders.compile(g)?)
+    }
 }
 
 /// Records further stages after the frame.
@@ -126,19 +163,22 @@ impl Gi {
         check_size(size)?;
         settings.check()?;
         let parts = Parts {
-            scene: Arc::new(device_scene(scene, view, view.camera.position)?),
+            lit: Arc::new(Lit::new(scene, view, view.camera.position)?),
             settings: settings.clone(),
             size,
             grid: settings.grid(pixel_angle(&view.camera, size), size),
         };
-        let extend = Box::new(extend);
+        let (plan, shaders) = (parts.plan(screen), Shaders::default());
         Ok(Self {
-            schedule: parts.schedule(screen, extend.as_ref())?,
+            schedule: Arc::new(plan.schedule(&extend, &shaders)?),
+            plan,
             parts,
             screen,
             seed: 0,
             frame: 0,
-            extend,
+            begun: false,
+            extend: Box::new(extend),
+            shaders,
         })
     }
 
@@ -152,8 +192,7 @@ impl Gi {
     /// # Errors
     /// [`RenderError::Graph`].
     pub fn needs(&self) -> Result<Vec<Need>, RenderError> {
-        let sizes = SceneSizes::of(&self.parts.scene);
-        Ok(needs(&self.parts.frame(self.screen), &sizes)?)
+        Ok(needs(&self.plan.frame, &self.plan.sizes)?)
     }
 
     /// What a backend prepares.
@@ -168,10 +207,10 @@ impl Gi {
 
     /// The scene as the device has it.
     pub fn scene(&self) -> &DeviceScene {
-        &self.parts.scene
+        &self.parts.lit.device
     }
 
-    /// Frames begun so far, wrapping.
+    /// Frames begun so far, or since [`Gi::reset`], wrapping.
     pub fn frames(&self) -> u32 {
         self.frame
     }
@@ -181,12 +220,28 @@ impl Gi {
         self.parts.size
     }
 
-    /// Writes geometry, materials, lights and the sky: once for each executable.
+    /// Writes geometry, materials, lights and the sky: once for each executable that was prepared from
+    /// [`Gi::schedule`]. One `Gi` belongs to one executable at a time, which goes through all of its changes.
     ///
     /// # Errors
-    /// [`RenderError::Backend`].
-    pub fn upload_scene(&self, exec: &mut dyn Executable) -> Result<(), RenderError> {
-        Ok(upload_scene(exec, &self.parts.scene)?)
+    /// [`RenderError::Executable`], [`RenderError::Backend`].
+    pub fn upload_scene(&mut self, exec: &mut dyn Executable) -> Result<(), RenderError> {
+        self.check(exec)?;
+        self.begun = false;
+        Ok(upload_scene(exec, &self.parts.lit.device)?)
+    }
+
+    /// Fails where the executable is not the one of this schedule.
+    pub(crate) fn check(&self, exec: &dyn Executable) -> Result<(), RenderError> {
+        match Arc::ptr_eq(exec.schedule(), &self.schedule) {
+            true => Ok(()),
+            false => Err(RenderError::Executable),
+        }
+    }
+
+    /// A frame was begun since the last change.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.begun
     }
 
     /// Light at points on surfaces, or anywhere: indirect irradiance from the surfels of the last frame of `exec`, and
@@ -194,9 +249,9 @@ impl Gi {
     /// There is an answer per point, as many points at a time as the setting `queries` says. Waits for the device.
     ///
     /// # Errors
-    /// [`RenderError::Queries`] before the first frame, if the setting is 0, if the numbers of points and normals differ,
-    /// or if one of them is not finite;
-    /// [`RenderError::Backend`].
+    /// [`RenderError::Queries`] before the first frame and between a change and the next frame, if the setting is 0, if
+    /// the numbers of points and normals differ, or if one of them is not finite;
+    /// [`RenderError::Executable`], [`RenderError::Backend`].
     pub fn irradiance(
         &self,
         exec: &mut dyn Executable,
@@ -211,13 +266,14 @@ impl Gi {
     ///
     /// # Errors
     /// [`RenderError::Host`], [`RenderError::Gbuffer`]; [`RenderError::View`] of a camera that has no picture;
-    /// [`RenderError::Backend`]. But for the last, nothing has been written then.
+    /// [`RenderError::Executable`], [`RenderError::Backend`]. But for the last, nothing has been written then.
     pub fn begin_frame(
         &mut self,
         exec: &mut dyn Executable,
         camera: &Camera,
         host: Option<&HostGbuffer>,
     ) -> Result<(), RenderError> {
+        self.check(exec)?;
         if host.is_some() != (self.screen == Screen::Imported) {
             return Err(RenderError::Host {
                 problem: match host {
@@ -235,9 +291,8 @@ impl Gi {
             seed: self.seed,
             grid: self.parts.grid,
         };
-        let Parts {
-            scene, settings, ..
-        } = &self.parts;
+        let Parts { lit, settings, .. } = &self.parts;
+        let scene = &lit.device;
         upload_frame(exec, scene, settings, &update)?;
         if let Some(host) = host {
             let host = HostGbuffer {
@@ -247,6 +302,7 @@ impl Gi {
             upload(exec, "host", &[host])?;
         }
         self.frame = self.frame.wrapping_add(1);
+        self.begun = true;
         Ok(())
     }
 }

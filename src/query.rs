@@ -31,6 +31,7 @@ pub(crate) fn irradiance(
         normals: normals.len(),
         problem: problem.into(),
     };
+    gi.check(exec)?;
     if points.len() != normals.len() {
         return Err(refuse("give a normal for each point"));
     }
@@ -41,8 +42,7 @@ pub(crate) fn irradiance(
             points[i]
         )));
     }
-    let unit = |n: &Vec3| n.is_finite() && n.length_squared() > 0.0;
-    if let Some(i) = normals.iter().position(|n| !unit(n)) {
+    if let Some(i) = normals.iter().position(|n| direction(*n).is_none()) {
         return Err(refuse(&format!(
             "normal {i} is {}; give a finite one that has a length",
             normals[i]
@@ -62,8 +62,10 @@ pub(crate) fn irradiance(
         .filter(|(_, step, _)| step.group() == "query")
         .map(|(i, ..)| i)
         .collect();
-    if gi.frames() == 0 && !points.is_empty() {
-        return Err(refuse("no frame has run yet; run one first"));
+    if !gi.has_begun() && !points.is_empty() {
+        return Err(refuse(
+            "no frame has run yet since the start or the last change; run one first",
+        ));
     }
     let answers = ask(exec, gi, &steps, room, points, normals);
     // The next frame asks nothing, whatever became of these.
@@ -117,9 +119,16 @@ fn ask(
     Ok(answers)
 }
 
+/// The direction of a normal of any length.
+fn direction(normal: Vec3) -> Option<Vec3> {
+    let largest = normal.abs().max_element();
+    // The squares of very long and very short ones leave the range of floats.
+    (normal.is_finite() && largest > 0.0).then(|| (normal / largest).normalize())
+}
+
 fn asked(position: DVec3, normal: Vec3) -> SurfacePoint {
     let position = position.as_vec3();
-    let packed = octahedral::pack(normal.try_normalize().unwrap_or(Vec3::Z));
+    let packed = octahedral::pack(direction(normal).unwrap_or(Vec3::Z));
     SurfacePoint {
         position,
         offset: position.abs().max_element() * surface::OFFSET,

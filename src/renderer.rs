@@ -60,6 +60,30 @@ pub enum RenderError {
     /// An engine's G-buffer cannot be read as it is described.
     #[error(transparent)]
     Gbuffer(#[from] HostGbufferError),
+    /// An executable is not the one that a [`Gi`] prepared everything for.
+    #[error(
+        "the executable runs another schedule than `Gi::schedule`; pass the one that was prepared from this `Gi`'s \
+         schedule and that every change since then went through"
+    )]
+    Executable,
+    /// More than lights changed.
+    #[error(
+        "the scene `{scene}` differs from what is lit in more than its lights: {difference}; call `set_scene`"
+    )]
+    Lights {
+        /// Scene.
+        scene: String,
+        /// The first difference.
+        difference: String,
+    },
+    /// There is nothing to read yet.
+    #[error(
+        "`{what}` cannot be read: no frame has run since the start or the last change; call `frame` first"
+    )]
+    NoFrame {
+        /// The output asked for.
+        what: String,
+    },
     /// Irradiance cannot be asked for like this.
     #[error("irradiance of {points} points with {normals} normals: {problem}")]
     Queries {
@@ -85,12 +109,26 @@ pub struct Renderer {
     view: View,
 }
 
-/// A backend's shader compiler check, where this build has one.
-pub(crate) fn compile(g: Graph) -> Result<Schedule, GraphErrors> {
+/// What holds device kernels against the stages of a graph, where this build has it. Remembers kernels, which take
+/// longer to compile than a graph does.
+#[derive(Debug, Default)]
+pub(crate) struct Shaders {
     #[cfg(any(feature = "wgpu", feature = "vulkan"))]
-    return g.compile(Some(&gibs_shaders::Compiler::new()));
-    #[cfg(not(any(feature = "wgpu", feature = "vulkan")))]
-    g.compile(None)
+    compiler: gibs_shaders::Compiler,
+}
+
+impl Shaders {
+    pub fn compile(&self, g: Graph) -> Result<Schedule, GraphErrors> {
+        #[cfg(any(feature = "wgpu", feature = "vulkan"))]
+        return g.compile(Some(&self.compiler));
+        #[cfg(not(any(feature = "wgpu", feature = "vulkan")))]
+        g.compile(None)
+    }
+}
+
+/// A schedule of its own, checked as [`Shaders`] does.
+pub(crate) fn compile(g: Graph) -> Result<Schedule, GraphErrors> {
+    Shaders::default().compile(g)
 }
 
 /// Prepares a scene as `view` sees it, with the floating origin near `origin`.
@@ -167,7 +205,7 @@ impl Renderer {
         extend: impl Fn(&mut Graph, SurfelOutputs) + Send + Sync + 'static,
     ) -> Result<Self, RenderError> {
         let gi = Gi::extended(scene, view, size, settings, Screen::Traced, extend)?;
-        let gi = gi.with_seed(seed);
+        let mut gi = gi.with_seed(seed);
         let mut exec = backend.prepare(Arc::clone(gi.schedule()))?;
         gi.upload_scene(exec.as_mut())?;
         Ok(Self {
@@ -249,6 +287,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// As [`Gi::reset`].
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn reset(&mut self) -> Result<(), RenderError> {
+        self.gi.reset(self.exec.as_mut())
+    }
+
     /// Waits for all frames.
     ///
     /// # Errors
@@ -287,7 +333,7 @@ impl Renderer {
     /// Counters of the surfels after the last frame, and list entries that did not fit the grid.
     ///
     /// # Errors
-    /// [`RenderError::Backend`].
+    /// [`RenderError::NoFrame`], [`RenderError::Backend`].
     pub fn counters(&mut self) -> Result<SurfelCounters, RenderError> {
         let mut counters: SurfelCounters = self
             .output("counters")?
@@ -305,7 +351,7 @@ impl Renderer {
     /// The picture after the last frame: the final image in `R G B`, and the channels of a truth.
     ///
     /// # Errors
-    /// [`RenderError::Backend`].
+    /// [`RenderError::NoFrame`] before the first frame and between a change and the next one, [`RenderError::Backend`].
     pub fn picture(&mut self) -> Result<Picture, RenderError> {
         let points: Vec<SurfacePoint> = self.output("points")?;
         let direct = match self.gi.schedule().output("direct") {
@@ -333,8 +379,12 @@ impl Renderer {
     /// [`surfel_frame`](gibs_passes::frame::surfel_frame)'s, or of the stages that extend it.
     ///
     /// # Errors
+    /// [`RenderError::NoFrame`] before the first frame and between a change and the next one;
     /// [`BackendError::Refused`] if the frame has no such output, or its elements are of another type.
     pub fn output<T: Element>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
+        if !self.gi.has_begun() {
+            return Err(RenderError::NoFrame { what: name.into() });
+        }
         read_output(self.exec.as_mut(), name)
     }
 }

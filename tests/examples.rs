@@ -42,13 +42,15 @@ fn run(name: &str, arguments: &[&str]) -> String {
     out.into_owned()
 }
 
+/// Both views before and after a change against the processor, and once against traced surfaces.
 fn both_views_agree(printed: &str) {
     for view in ["view 0: ", "view 1: "] {
-        let line = printed.lines().find(|line| line.starts_with(view));
-        assert!(
-            line.is_some_and(|l| l.ends_with(": agrees")),
-            "{view}{printed}"
-        );
+        let lines = || printed.lines().filter(|line| line.starts_with(view));
+        let of = |what: &str| lines().any(|line| line.contains(what));
+        for what in ["at noon: FLIP", "in the evening: FLIP", "traced surfaces"] {
+            assert!(of(what), "{view}{what}: {printed}");
+        }
+        assert!(lines().all(|line| line.ends_with(": agrees")), "{printed}");
     }
 }
 

@@ -4,7 +4,9 @@ mod common;
 use common::{all_backends, cpu, settings};
 use gibs::passes::data::SurfacePoint;
 use gibs::passes::frame::Settings;
+use gibs::passes::scene::Scene;
 use gibs::passes::shared::{octahedral, surface};
+use gibs::view::View;
 use gibs::{Irradiance, RenderError, Renderer, builtin};
 use glam::{DVec3, Vec3, Vec4};
 
@@ -121,7 +123,7 @@ fn asking_without_room_or_normals_is_an_error_that_says_what_to_do() {
                 .contains("point 1 is")
         );
     }
-    for bad in [Vec3::ZERO, Vec3::NAN] {
+    for bad in [Vec3::ZERO, Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)] {
         let error = ready.irradiance(&[DVec3::ZERO], &[bad]);
         assert!(
             error
@@ -129,6 +131,60 @@ fn asking_without_room_or_normals_is_an_error_that_says_what_to_do() {
                 .to_string()
                 .contains("normal 0 is")
         );
+    }
+}
+
+/// The length of a normal says nothing.
+#[test]
+fn normals_may_have_any_length() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let mut renderer =
+        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &asking(8), 0).expect("a renderer");
+    for _ in 0..8 {
+        renderer.frame().expect("a frame");
+    }
+    let point = [DVec3::new(0.1, 0.9, 0.1)];
+    let normal = Vec3::new(0.6, -0.8, 0.0);
+    let expected = renderer.irradiance(&point, &[normal]).expect("an answer");
+    assert!(expected[0].indirect.max_element() > 0.0);
+    for length in [1e30, 1e-25, 1e-38] {
+        let answer = renderer.irradiance(&point, &[normal * length]);
+        let answer = answer.expect("a direction")[0].indirect;
+        let off = (answer - expected[0].indirect).abs().max_element();
+        assert!(off <= 1e-4 * (1.0 + answer.length()), "{length}: {answer}");
+    }
+}
+
+/// What the surfels of the frame before a change would answer belongs to another grid.
+#[test]
+fn after_a_change_a_frame_comes_first() {
+    type Change = fn(&mut Renderer, &Scene, &View) -> Result<(), RenderError>;
+    let changes: [(&str, Change); 4] = [
+        ("lights", |r, scene, view| r.set_lights(scene, view)),
+        ("scene", |r, scene, view| r.set_scene(scene, view)),
+        ("size", |r, _, _| r.resize([32, 32])),
+        ("reset", |r, _, _| r.reset()),
+    ];
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    for backend in all_backends() {
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &scene, &view, SIZE, &asking(8), 0).expect("prepares");
+        let ask = |r: &mut Renderer| r.irradiance(&[DVec3::new(0.0, 0.1, 0.0)], &[Vec3::Y]);
+        for (what, change) in changes {
+            for _ in 0..8 {
+                renderer.frame().expect("a frame");
+            }
+            let before = ask(&mut renderer).expect("an answer");
+            assert!(before[0].indirect.max_element() > 0.0, "{what}: {before:?}");
+            change(&mut renderer, &scene, &view).expect("a change");
+            let refused = ask(&mut renderer).expect_err("too early").to_string();
+            assert!(
+                refused.contains("since the start or the last change"),
+                "{what}: {refused}"
+            );
+            renderer.frame().expect("a frame");
+            ask(&mut renderer).expect("an answer");
+        }
     }
 }
 

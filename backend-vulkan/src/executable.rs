@@ -259,6 +259,10 @@ impl Executable for VulkanExecutable {
         timer.read()
     }
 
+    fn lent(&self, resource: ResourceId) -> bool {
+        self.imports.get(resource).is_some()
+    }
+
     /// Copies what carries over, so that until the end nothing of the old schedule changes.
     fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
         self.stream.finish()?;

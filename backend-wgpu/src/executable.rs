@@ -218,6 +218,10 @@ impl Executable for WgpuExecutable {
             .map_or(Ok(None), |timer| timer.read(&self.context))
     }
 
+    fn lent(&self, resource: ResourceId) -> bool {
+        self.stores.import(resource).is_some()
+    }
+
     /// Uploads that wait come in front of the first frame. A state that grows is copied now, ahead of frames that were
     /// recorded and are not submitted yet.
     fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {

@@ -109,7 +109,7 @@ impl Stores {
 
     /// What a host gave for a resource.
     pub fn import(&self, resource: ResourceId) -> Option<&Import> {
-        self.imports[resource as usize].as_ref()
+        self.imports.get(resource as usize)?.as_ref()
     }
 
     /// Takes what a host gives for a resource; whether it is another one than before.

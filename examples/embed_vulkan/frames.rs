@@ -1,6 +1,7 @@
 //! Frames under way: command buffers, and fences that say when they are done.
 use super::gpu::Gpu;
 use super::memory::{Buffer, Image};
+use gibs_backend_vulkan::ImageUse;
 use gibs_backend_vulkan::ash::vk;
 use std::error::Error;
 
@@ -95,19 +96,21 @@ impl<'a> Frames<'a> {
         }?)
     }
 
-    /// Waits and returns the four half floats of every texel of an image that transfers can read.
+    /// Waits and returns the bytes of every texel of an image that transfers can read, which has so many bytes to a texel.
     ///
     /// # Errors
     /// What the driver says.
     ///
     /// # Safety
-    /// The image has such texels, this size, and the layout for transfers from it, which see what was written.
-    pub unsafe fn read_halves(
+    /// The image has such texels, this size, and was last used as `held` says.
+    pub unsafe fn read(
         &mut self,
         image: &Image<'_>,
         [width, height]: [u32; 2],
-    ) -> Result<Vec<glam::Vec4>, Box<dyn Error>> {
-        let bytes = 8 * width as usize * height as usize;
+        texel: usize,
+        held: ImageUse,
+    ) -> Result<Vec<u8>, Box<dyn Error>> {
+        let bytes = texel * width as usize * height as usize;
         let buffer = Buffer::new(self.gpu, vk::BufferUsageFlags::TRANSFER_DST, bytes)?;
         let commands = self.begin()?;
         let all = [vk::BufferImageCopy::default()
@@ -121,27 +124,28 @@ impl<'a> Frames<'a> {
                 height,
                 depth: 1,
             })];
+        let copied = ImageUse {
+            layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+            stage: vk::PipelineStageFlags::TRANSFER,
+            access: vk::AccessFlags::TRANSFER_READ,
+        };
         let written = [vk::MemoryBarrier::default()
             .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
             .dst_access_mask(vk::AccessFlags::HOST_READ)];
-        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        let (from, to) = (
-            vk::PipelineStageFlags::TRANSFER,
-            vk::PipelineStageFlags::HOST,
-        );
+        let (from, to) = (copied.stage, vk::PipelineStageFlags::HOST);
         let flags = vk::DependencyFlags::empty();
         // SAFETY: the commands are being recorded, the buffer has room for every texel and is read, and goes, after the
         // device is done; the rest is the caller's promise.
-        let halves = unsafe {
+        unsafe {
             let device = &self.gpu.device;
-            device.cmd_copy_image_to_buffer(commands, image.raw, layout, buffer.raw, &all);
+            image.pass(commands, held, copied);
+            device.cmd_copy_image_to_buffer(commands, image.raw, copied.layout, buffer.raw, &all);
+            image.pass(commands, copied, held);
             device.cmd_pipeline_barrier(commands, from, to, flags, &written, &[], &[]);
             self.submit()?;
             self.finish()?;
-            buffer.read()
-        };
-        let format = gibs::graph::ImageFormat::Rgba16Float;
-        Ok(bytemuck::pod_collect_to_vec(&format.decode(&halves)))
+            Ok(buffer.read())
+        }
     }
 }
 

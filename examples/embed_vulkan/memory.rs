@@ -1,5 +1,6 @@
 //! Images and buffers of the engine.
 use super::gpu::Gpu;
+use gibs_backend_vulkan::ImageUse;
 use gibs_backend_vulkan::ash::vk;
 use std::error::Error;
 
@@ -75,6 +76,26 @@ impl<'a> Image<'a> {
                 .subresource_range(made.whole());
             made.view = device.create_image_view(&info, None)?;
             Ok(made)
+        }
+    }
+
+    /// Has the next use of the image wait for the last.
+    ///
+    /// # Safety
+    /// The commands are being recorded, and the image was last used as `from` says.
+    pub unsafe fn pass(&self, commands: vk::CommandBuffer, from: ImageUse, to: ImageUse) {
+        let barrier = [vk::ImageMemoryBarrier::default()
+            .src_access_mask(from.access)
+            .dst_access_mask(to.access)
+            .old_layout(from.layout)
+            .new_layout(to.layout)
+            .image(self.raw)
+            .subresource_range(self.whole())];
+        let flags = vk::DependencyFlags::empty();
+        // SAFETY: the caller's promise; the stages make these accesses.
+        unsafe {
+            let device = &self.gpu.device;
+            device.cmd_pipeline_barrier(commands, from.stage, to.stage, flags, &[], &[], &barrier);
         }
     }
 

@@ -67,7 +67,7 @@ impl<'a> Raster<'a> {
     /// What the driver says.
     pub fn gbuffer(&self, size: [u32; 2]) -> Result<Gbuffer<'a>, Box<dyn Error>> {
         let image = |format, drawn| {
-            let usage = drawn | vk::ImageUsageFlags::SAMPLED;
+            let usage = drawn | vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_SRC;
             Image::new(self.gpu, size, format, usage)
         };
         let color = |i: usize| image(COLORS[i], vk::ImageUsageFlags::COLOR_ATTACHMENT);

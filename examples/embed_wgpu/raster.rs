@@ -1,5 +1,6 @@
 //! The engine's renderer: a G-buffer by rasterization, with reversed depth and no far plane.
 use super::engine::{Vertex, World, look};
+use super::verdict::Surfaces;
 use gibs::passes::scene::Camera;
 use gibs_backend_wgpu::wgpu;
 use glam::camera::rh::proj::directx::perspective_infinite_reverse;
@@ -117,8 +118,9 @@ impl Raster {
 
     pub fn gbuffer(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> Gbuffer {
         let view = |format| {
-            let usage =
-                wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC;
             texture(device, [width, height], format, usage).create_view(&Default::default())
         };
         let to_clip = device.create_buffer(&wgpu::BufferDescriptor {
@@ -216,13 +218,15 @@ pub fn texture(
     })
 }
 
-/// Waits and returns the four half floats of every texel.
-pub fn read_halves(
+/// Waits and returns the bytes of every texel, row by row.
+pub fn read(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
-) -> Result<Vec<glam::Vec4>, Box<dyn std::error::Error>> {
-    let stride = (texture.width() * 8).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let texel = texture.format().block_copy_size(None);
+    let row = texture.width() * texel.ok_or("the texture has several planes")?;
+    let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: u64::from(stride * texture.height()),
@@ -248,11 +252,37 @@ pub fn read_halves(
     });
     device.poll(wgpu::PollType::wait_indefinitely())?;
     let bytes = buffer.get_mapped_range(..)?;
-    let format = gibs::graph::ImageFormat::Rgba16Float;
     let rows = bytes.chunks_exact(stride as usize);
-    let texels: Vec<u8> = rows
-        .flat_map(|row| &row[..texture.width() as usize * 8])
+    Ok(rows
+        .flat_map(|bytes| &bytes[..row as usize])
         .copied()
-        .collect();
-    Ok(bytemuck::pod_collect_to_vec(&format.decode(&texels)))
+        .collect())
+}
+
+/// As [`read`], of texels of four half floats.
+pub fn read_halves(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+) -> Result<Vec<glam::Vec4>, Box<dyn std::error::Error>> {
+    let format = gibs::graph::ImageFormat::Rgba16Float;
+    let bytes = read(device, queue, texture)?;
+    Ok(bytemuck::pod_collect_to_vec(&format.decode(&bytes)))
+}
+
+impl Gbuffer {
+    /// What was drawn last.
+    pub fn read(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Surfaces, Box<dyn std::error::Error>> {
+        let bytes = |view: &wgpu::TextureView| read(device, queue, view.texture());
+        Ok(Surfaces::new(
+            &bytes(&self.depth)?,
+            read_halves(device, queue, self.normal.texture())?,
+            &bytes(&self.albedo)?,
+            &bytes(&self.objects)?,
+        ))
+    }
 }

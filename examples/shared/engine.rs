@@ -133,6 +133,18 @@ pub fn views() -> [View; 2] {
     })
 }
 
+/// The same view some hours later.
+pub fn evening(view: &View) -> View {
+    let sun = Sun {
+        direction: DVec3::new(-0.55, -0.25, -0.8).normalize(),
+        irradiance: Vec3::new(2.4, 1.7, 1.0),
+    };
+    View {
+        sun: Some(sun),
+        ..view.clone()
+    }
+}
+
 /// From the world to the eye.
 pub fn look(camera: &Camera) -> Mat4 {
     let [eye, target, up] = [camera.position, camera.target, camera.up].map(|v| v.as_vec3());

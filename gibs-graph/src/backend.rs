@@ -92,6 +92,12 @@ pub trait Executable: Any + Send {
         Ok(None)
     }
 
+    /// Whether a host has lent memory that stands in for the resource's own, in ways that the backend's own type offers.
+    fn lent(&self, resource: ResourceId) -> bool {
+        let _ = resource;
+        false
+    }
+
     /// Runs `schedule` from now on, as if it had been prepared anew, but with the content of every persistent resource
     /// that [`Schedule::adoptions`] names. What a host has lent is forgotten.
     ///

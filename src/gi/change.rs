@@ -1,47 +1,42 @@
 //! Changes of what is lit, between frames: a new schedule that keeps every surfel that can be kept.
-use super::{Extend, Gi, Parts};
-use crate::renderer::{RenderError, check_camera, check_size, compile, device_scene, refused};
+use super::lit::Lit;
+use super::{Gi, Parts, Plan};
+use crate::renderer::{RenderError, check_camera, check_size};
 use crate::view::View;
-use gibs_graph::{Executable, Graph, Kind, Schedule};
-use gibs_passes::device::DeviceScene;
-use gibs_passes::frame::{
-    SceneSizes, Screen, Settings, SurfelFrame, pixel_angle, surfel_frame, upload_scene_where,
-};
+use gibs_graph::{Action, Executable, Kind, Schedule, Step};
+use gibs_passes::frame::{Settings, pixel_angle, upload_scene_where};
 use gibs_passes::scene::{Camera, Scene};
 use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-impl Parts {
-    pub(super) fn frame(&self, screen: Screen) -> SurfelFrame {
-        SurfelFrame {
-            size: self.size,
-            grid: self.grid,
-            settings: self.settings.clone(),
-            screen,
-        }
-    }
-
-    pub(super) fn schedule(
-        &self,
-        screen: Screen,
-        extend: &Extend,
-    ) -> Result<Arc<Schedule>, RenderError> {
-        let mut g = Graph::new("surfels");
-        let outputs = surfel_frame(&mut g, &self.frame(screen), &SceneSizes::of(&self.scene));
-        extend(&mut g, outputs);
-        Ok(Arc::new(compile(g)?))
-    }
-}
-
-/// Each call takes the executable that runs [`Gi::schedule`], has it adopt a new one, and writes what that needs. After
-/// an error of these calls the frame is what it was before, unless the device failed. What an engine has lent for images
-/// is forgotten: lend again before the next frame.
+/// # Changes between frames
+///
+/// Each call takes the executable that runs [`Gi::schedule`], and writes what the change needs. Where the frame needs
+/// other stages or other memory, the executable adopts a new schedule; [`Gi::schedule`] is then another [`Arc`] than
+/// before. Where it does not, as with values of lights and of most settings, that costs no more than the upload. After an
+/// error the frame is what it was before, unless the device failed.
+///
+/// Of every call holds:
+/// - **Recorded frames come first.** On Vulkan, every frame that was recorded into commands of the engine must be done;
+///   on wgpu, it must be submitted. The executable waits by itself only for what it submitted.
+/// - **What was lent is forgotten** with a new schedule: images and buffers. Resources may have other numbers then, so ask
+///   [`Gi::image`] again and lend again before the next frame. The scene's inputs that were lent are written anew into the
+///   executable's own memory. Without a new schedule everything stays lent, and what the engine has lent of the scene's
+///   inputs is for the engine to write.
+/// - **Large uploads have to be sent off.** On Vulkan, call [`Executable::wait`] before the next frame is recorded where
+///   the change wrote more than 64 KiB at a time or 1 MiB in all, as things that are added do; recording is refused
+///   otherwise.
+/// - **Pictures and queries wait for a frame.** Until the next one was begun and has run, [`Gi::irradiance`] is an error.
 impl Gi {
-    /// Goes on with other settings. Surfels stay, also where their capacity grows; where it shrinks they start over.
+    /// Goes on with other settings. Surfels stay, also where their capacity grows; where it shrinks they start over, and
+    /// nothing else does.
+    ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames).
     ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// As [`Gi::new`], and [`RenderError::Executable`].
     pub fn set_settings(
         &mut self,
         exec: &mut dyn Executable,
@@ -51,21 +46,22 @@ impl Gi {
         settings.check()?;
         check_camera(camera)?;
         let grid = settings.grid(pixel_angle(camera, self.parts.size), self.parts.size);
-        self.change(
-            exec,
-            Parts {
-                settings: settings.clone(),
-                grid,
-                ..self.parts.clone()
-            },
-        )
+        let parts = Parts {
+            settings: settings.clone(),
+            grid,
+            ..self.parts.clone()
+        };
+        self.change(exec, parts, |_| false)
     }
 
     /// Goes on with a picture of another size, or another field of view. Surfels stay, and take the size that this
     /// camera asks for.
     ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames).
+    ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// As [`Gi::new`], and [`RenderError::Executable`].
     pub fn resize(
         &mut self,
         exec: &mut dyn Executable,
@@ -75,73 +71,99 @@ impl Gi {
         check_size(size)?;
         check_camera(camera)?;
         let grid = self.parts.settings.grid(pixel_angle(camera, size), size);
-        self.change(
-            exec,
-            Parts {
-                size,
-                grid,
-                ..self.parts.clone()
-            },
-        )
+        let parts = Parts {
+            size,
+            grid,
+            ..self.parts.clone()
+        };
+        self.change(exec, parts, |_| false)
     }
 
-    /// Goes on with other lights, another sun or sky, in the geometry that is there: `scene` differs in its lights only.
-    /// Surfels stay, and their light follows.
+    /// Goes on with other lights, another sun or sky, in the geometry that is there: `scene` differs in its lights only,
+    /// and in nodes that draw nothing. Surfels stay, and their light follows.
+    ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames). Only lights and sky are written, and only where they differ.
     ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// [`RenderError::Lights`] if the scene has other meshes, triangles or materials by number, or if a node that draws
+    /// something draws other meshes or has moved; vertices and the values of materials are not looked at. Else as
+    /// [`Gi::new`], and [`RenderError::Executable`].
     pub fn set_lights(
         &mut self,
         exec: &mut dyn Executable,
         scene: &Scene,
         view: &View,
     ) -> Result<(), RenderError> {
+        self.check(exec)?;
         let pose = scene.pose(&view.animation);
-        let mut lit = DeviceScene::clone(&self.parts.scene);
-        lit.relight(scene, &pose, view.sun.as_ref(), &view.environment)
-            .map_err(refused(scene))?;
-        let scene = Arc::new(lit);
-        self.change(
-            exec,
-            Parts {
-                scene,
-                ..self.parts.clone()
-            },
-        )
+        let has = &self.parts.lit.drawn;
+        if let Some(difference) = has.difference(scene, &pose) {
+            return Err(RenderError::Lights {
+                scene: scene.name.clone(),
+                difference,
+            });
+        }
+        let schedule = Arc::clone(&self.schedule);
+        // Nobody else has it, so nothing of the geometry is copied.
+        let before = Arc::make_mut(&mut self.parts.lit).relight(scene, &pose, view)?;
+        let (lights, sky) = before.differs(&self.parts.lit);
+        let parts = self.parts.clone();
+        let changed = self.change(exec, parts, |key| match key {
+            "scene_lights" => lights,
+            "scene_environment" => sky,
+            _ => false,
+        });
+        if changed.is_err() && Arc::ptr_eq(&schedule, &self.schedule) {
+            Arc::make_mut(&mut self.parts.lit).restore(before);
+        }
+        changed
     }
 
     /// Goes on in another scene: things added, moved or taken away. Surfels stay on the node that they were born on, by
     /// its index, and follow it; those of an index that is gone stay where they are until they are recycled.
     ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames). The tree over all things is built anew; what is the same in
+    /// both scenes is not written again.
+    ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// As [`Gi::new`], and [`RenderError::Executable`].
     pub fn set_scene(
         &mut self,
         exec: &mut dyn Executable,
         scene: &Scene,
         view: &View,
     ) -> Result<(), RenderError> {
-        self.set_scene_at(exec, scene, view, self.parts.scene.origin)
+        let origin = self.parts.lit.device.origin;
+        self.set_scene_at(exec, scene, view, origin, self.parts.clone())
     }
 
     /// Moves the floating origin to the eye of `view`: for a camera that has gone some kilometres. Surfels stay.
     ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames).
+    ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// As [`Gi::new`], and [`RenderError::Executable`].
     pub fn shift_origin(
         &mut self,
         exec: &mut dyn Executable,
         scene: &Scene,
         view: &View,
     ) -> Result<(), RenderError> {
-        self.set_scene_at(exec, scene, view, view.camera.position)
+        let eye = view.camera.position;
+        self.set_scene_at(exec, scene, view, eye, self.parts.clone())
     }
 
     /// Goes on at another place and with another field of view: the floating origin goes to the eye of `view`, and the
     /// grid follows the field of view. Surfels stay, and those that the new view sees light it from its first frame on.
     ///
+    /// Frames that were recorded must be done, and what was lent may be forgotten: see
+    /// [changes between frames](#changes-between-frames).
+    ///
     /// # Errors
-    /// As [`Gi::new`].
+    /// As [`Gi::new`], and [`RenderError::Executable`].
     pub fn cut(
         &mut self,
         exec: &mut dyn Executable,
@@ -149,16 +171,27 @@ impl Gi {
         view: &View,
     ) -> Result<(), RenderError> {
         let Parts { settings, size, .. } = &self.parts;
-        let grid = settings.grid(pixel_angle(&view.camera, *size), *size);
-        let scene = Arc::new(device_scene(scene, view, view.camera.position)?);
-        self.change(
-            exec,
-            Parts {
-                scene,
-                grid,
-                ..self.parts.clone()
-            },
-        )
+        let parts = Parts {
+            grid: settings.grid(pixel_angle(&view.camera, *size), *size),
+            ..self.parts.clone()
+        };
+        self.set_scene_at(exec, scene, view, view.camera.position, parts)
+    }
+
+    /// Starts over: every surfel is gone, the next frame is number 0, and every state that stages beyond the frame's own
+    /// keep has its first value again. What follows is what a new executable would do.
+    ///
+    /// Frames that were recorded must be done; everything stays lent. On Vulkan, call [`Executable::wait`] before the next
+    /// frame is recorded.
+    ///
+    /// # Errors
+    /// [`RenderError::Executable`], [`RenderError::Backend`].
+    pub fn reset(&mut self, exec: &mut dyn Executable) -> Result<(), RenderError> {
+        self.check(exec)?;
+        exec.reset()?;
+        self.frame = 0;
+        self.begun = false;
+        Ok(())
     }
 
     fn set_scene_at(
@@ -167,36 +200,92 @@ impl Gi {
         scene: &Scene,
         view: &View,
         origin: DVec3,
+        parts: Parts,
     ) -> Result<(), RenderError> {
-        let scene = Arc::new(device_scene(scene, view, origin)?);
-        self.change(
-            exec,
-            Parts {
-                scene,
-                ..self.parts.clone()
-            },
-        )
+        self.check(exec)?;
+        let before = Arc::clone(&self.parts.lit);
+        let lit = Arc::new(Lit::new(scene, view, origin)?);
+        let after = Arc::clone(&lit);
+        self.change(exec, Parts { lit, ..parts }, |key| {
+            after.has_other(key, &before)
+        })
     }
 
-    fn change(&mut self, exec: &mut dyn Executable, parts: Parts) -> Result<(), RenderError> {
-        let schedule = parts.schedule(self.screen, self.extend.as_ref())?;
-        let same_scene = Arc::ptr_eq(&parts.scene, &self.parts.scene);
-        let kept: HashSet<String> = schedule
-            .adoptions(exec.schedule())
-            .into_iter()
-            .map(|(_, to)| &schedule.resources[to as usize])
-            .filter(|r| r.kind == Kind::Input && same_scene)
-            .map(|r| r.key.clone())
+    /// Goes on with `parts`, where those inputs of the scene have other content than before whose keys are `changed`.
+    fn change(
+        &mut self,
+        exec: &mut dyn Executable,
+        parts: Parts,
+        changed: impl Fn(&str) -> bool,
+    ) -> Result<(), RenderError> {
+        self.check(exec)?;
+        let plan = parts.plan(self.screen);
+        let schedule = self.schedule_for(&plan)?;
+        let stays = Arc::ptr_eq(&schedule, &self.schedule);
+        let adopted = schedule.adoptions(&self.schedule);
+        // Inputs that hold, after the adoption, what they should.
+        let holds = |&&(from, to): &&(_, u32)| match exec.lent(from) {
+            true => stays,
+            false => !changed(&schedule.resources[to as usize].key),
+        };
+        let held: HashSet<String> = adopted
+            .iter()
+            .filter(holds)
+            .map(|&(_, to)| schedule.resources[to as usize].key.clone())
             .collect();
-        exec.adopt(Arc::clone(&schedule))?;
-        let fewer = parts.settings.surfels < self.parts.settings.surfels;
-        (self.schedule, self.parts) = (schedule, parts);
-        if fewer {
-            // Some states carry over and some do not; together they make sense only from the start.
-            exec.reset()?;
+        if !stays {
+            exec.adopt(Arc::clone(&schedule))?;
         }
-        Ok(upload_scene_where(exec, &self.parts.scene, |key| {
-            !kept.contains(key)
+        let fewer = parts.settings.surfels < self.parts.settings.surfels;
+        (self.schedule, self.plan, self.parts) = (schedule, plan, parts);
+        self.begun = false;
+        if fewer {
+            // What is there for each surfel did not carry over. What counts them did, and makes no sense without.
+            for (_, to) in adopted {
+                let resource = &self.schedule.resources[to as usize];
+                if let Kind::State(initial) = &resource.kind
+                    && resource.key.starts_with("surfel_")
+                {
+                    exec.upload(to, 0, &initial.bytes(resource.bytes as usize))?;
+                }
+            }
+        }
+        Ok(upload_scene_where(exec, &self.parts.lit.device, |key| {
+            !held.contains(key)
         })?)
     }
+
+    /// The schedule of a plan; the present one where that does the same.
+    fn schedule_for(&self, plan: &Plan) -> Result<Arc<Schedule>, RenderError> {
+        if *plan == self.plan {
+            return Ok(Arc::clone(&self.schedule));
+        }
+        let made = plan.schedule(self.extend.as_ref(), &self.shaders)?;
+        Ok(match alike(&made, &self.schedule) {
+            true => Arc::clone(&self.schedule),
+            false => Arc::new(made),
+        })
+    }
+}
+
+/// Whether two schedules do the same in the same memory.
+fn alike(a: &Schedule, b: &Schedule) -> bool {
+    let same = |(a, b): (&Step, &Step)| {
+        let same_action = match (&a.action, &b.action) {
+            (Action::Clear(a), Action::Clear(b)) => a == b,
+            (Action::Dispatch(a), Action::Dispatch(b)) => {
+                a.stage == b.stage
+                    && a.kernel.wgsl.text == b.kernel.wgsl.text
+                    && a.features() == b.features()
+                    && (&a.ports, &a.bindings, &a.absent, a.size)
+                        == (&b.ports, &b.bindings, &b.absent, b.size)
+            }
+            _ => false,
+        };
+        same_action && a.label == b.label
+    };
+    a.resources == b.resources
+        && a.outputs == b.outputs
+        && a.steps.len() == b.steps.len()
+        && a.steps.iter().zip(&b.steps).all(same)
 }

@@ -138,7 +138,7 @@ struct Running {
 impl Running {
     fn new(screen: Screen) -> Self {
         let (scene, view) = whole();
-        let gi = Gi::new(&scene, &view, SIZE, &settings(), screen).expect("a frame");
+        let mut gi = Gi::new(&scene, &view, SIZE, &settings(), screen).expect("a frame");
         let exec = NullBackend::new().prepare(gi.schedule().clone());
         let mut exec = exec.expect("prepares");
         gi.upload_scene(exec.as_mut()).expect("uploads");
@@ -195,6 +195,8 @@ impl Running {
         for (way, result) in results {
             let text = match result {
                 Ok(()) => panic!("{way} accepts what should be refused by {parts:?}"),
+                // Geometry that is another one is no matter of lights, whatever else is wrong with it.
+                Err(RenderError::Lights { .. }) if way == "set_lights" => continue,
                 Err(error) => error.to_string(),
             };
             for part in parts {
