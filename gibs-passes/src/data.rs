@@ -155,10 +155,10 @@ element! {
         clamp: u32,
         /// Most segments of a path beyond its first hit.
         continuations: u32,
-        /// Side of the tiles in each of which a surfel may be born in a frame, texels: 4, 8 or 16.
-        tile: u32,
         /// 1 where the variance of surfels decides about their rays.
         steered: u32,
+        /// Zero.
+        pad0: u32,
         /// Zero.
         pad1: u32,
         /// Zero.

@@ -106,8 +106,8 @@ struct SurfelSettings {
     depth_blend: f32,
     clamp: u32,
     continuations: u32,
-    tile: u32,
     steered: u32,
+    pad0: u32,
     pad1: u32,
     pad2: u32,
 }

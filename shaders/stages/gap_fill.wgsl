@@ -44,7 +44,10 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let across = GROUP / settings.tile;
+    // As many as there is room for: one, four or sixteen.
+    let tiles = arrayLength(&candidates) / (groups.x * groups.y);
+    let across = select(select(1u, 2u, tiles >= 4u), 4u, tiles >= 16u);
+    let side = GROUP / across;
     let first = invocation_group(group, groups) * across * across;
     if lane < 16u {
         atomicStore(&least[lane], NONE);
@@ -57,7 +60,7 @@ fn main(
             let normal = octahedral_unpack(point.shading_normal);
             let coverage = lookup_coverage(point.position, normal);
             let share = min(coverage / settings.coverage, 1.0);
-            let within = lane / GROUP / settings.tile * across + lane % GROUP / settings.tile;
+            let within = lane / GROUP / side * across + lane % GROUP / side;
             let tie = hash_hash3(first + within, hash_hash2(frame.number, frame.seed), lane) & 0xffu;
             atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
         }

@@ -258,7 +258,6 @@ impl Settings {
             depth_blend: self.depth_blend,
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
-            tile: self.tile_in(size),
             steered: u32::from(self.steering),
             ..SurfelSettings::default()
         }

@@ -77,7 +77,9 @@ fn fill(
         grid: p.grid,
         settings: p.settings,
     };
-    let across = GROUP / p.settings.tile;
+    // As many as there is room for: one, four or sixteen.
+    let across = (p.candidates.len() as u32 / (group.count[0] * group.count[1])).isqrt();
+    let tile = GROUP / across;
     let first = group.linear() * across * across;
     let mut least = [NONE; MOST_TILES];
     for lane in 0..GROUP * GROUP {
@@ -94,7 +96,7 @@ fn fill(
         let normal = octahedral::unpack(point.shading_normal);
         let coverage = coverage(point.position, normal, &surfels, p.unseen);
         let share = (coverage / p.settings.coverage).min(1.0);
-        let within = row / p.settings.tile * across + column / p.settings.tile;
+        let within = row / tile * across + column / tile;
         let frame = hash::hash2(p.frame.number, p.frame.seed);
         let tie = hash::hash3(first + within, frame, lane) & 0xff;
         let least = &mut least[within as usize];
