@@ -12,7 +12,7 @@ use gibs::graph::bytemuck::{self, Pod, Zeroable};
 use gibs::graph::{
     Access, Action, Backend, BackendError, Capabilities, DeviceInfo, DispatchArgs, DispatchSize,
     DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, Workgroup,
-    check_range, check_step,
+    check_image, check_range, check_step, unknown_step,
 };
 use gibs::passes::frame::Settings;
 use gibs::{Renderer, builtin};
@@ -34,44 +34,26 @@ struct Line([u8; 64]);
 
 /// Memory of one resource. Each has its own: sharing, which `Resource::home` offers, saves memory and is no duty.
 struct Slot {
-    now: Vec<Line>,
-    /// Of a history, the value of the frame before.
-    before: Option<Vec<Line>>,
+    /// The current allocation; of a history, behind it that of the frame before.
+    memory: Vec<Vec<Line>>,
     /// Holds a value in this frame.
     written: bool,
     reads: u64,
     writes: u64,
 }
 
-impl Slot {
-    fn new(resource: &Resource) -> Result<Self, BackendError> {
-        let now = filled(resource)?;
-        let history = matches!(resource.kind, Kind::History(_));
-        Ok(Self {
-            before: history.then(|| now.clone()),
-            now,
+fn slots(schedule: &Schedule) -> Result<Vec<Slot>, BackendError> {
+    let slot = |resource: &Resource| {
+        let allocations = 0..resource.kind.allocations();
+        let memory: Result<_, _> = allocations.map(|_| filled(resource)).collect();
+        Ok(Slot {
+            memory: memory?,
             written: resource.kind.persists(),
             reads: 0,
             writes: 0,
         })
-    }
-
-    /// Takes over what one of a resource holds, which may be shorter.
-    fn begin_with(&mut self, old: &mut Slot, resource: &Resource) {
-        let old = [Some(&mut old.now), old.before.as_mut()];
-        for (new, old) in [Some(&mut self.now), self.before.as_mut()]
-            .into_iter()
-            .zip(old)
-        {
-            if let (Some(new), Some(old)) = (new, old) {
-                bytes_of(new, resource).copy_from_slice(bytes_of(old, resource));
-            }
-        }
-    }
-}
-
-fn slots(schedule: &Schedule) -> Result<Vec<Slot>, BackendError> {
-    schedule.resources.iter().map(Slot::new).collect()
+    };
+    schedule.resources.iter().map(slot).collect()
 }
 
 /// What a resource holds before the first frame and after a reset.
@@ -113,14 +95,18 @@ impl Backend for Counting {
 
     fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
         self.capabilities().check(NAME, &schedule)?;
-        let slots = slots(&schedule)?;
-        Ok(Box::new(Run { schedule, slots }))
+        Ok(Box::new(Run {
+            slots: slots(&schedule)?,
+            schedule,
+            allowed: self.capabilities().clone(),
+        }))
     }
 }
 
 struct Run {
     schedule: Arc<Schedule>,
     slots: Vec<Slot>,
+    allowed: Capabilities,
 }
 
 impl Run {
@@ -140,10 +126,11 @@ impl Run {
         }
         match &step.action {
             Action::Clear(id) => {
-                self.slots[*id as usize].now.fill(Line::zeroed());
+                self.slots[*id as usize].memory[0].fill(Line::zeroed());
                 Ok(())
             }
             Action::Dispatch(dispatch) => self.dispatch(&step.label, dispatch),
+            _ => Err(unknown_step(&step.label)),
         }
     }
 
@@ -151,15 +138,16 @@ impl Run {
         let count = match dispatch.size {
             DispatchSize::Groups(groups) => groups,
             DispatchSize::Indirect(id) => {
-                let bytes: &[u8] = bytemuck::cast_slice(&self.slots[id as usize].now);
+                let bytes: &[u8] = bytemuck::cast_slice(&self.slots[id as usize].memory[0]);
                 let args: DispatchArgs = bytemuck::pod_read_unaligned(&bytes[..16]);
                 [args.x, args.y, args.z]
             }
+            _ => return Err(unknown_step(label)),
         };
+        let [x, y, z] = count.map(u64::from);
         // Sizes that a kernel made are input like any other: refused, not believed.
-        if count.iter().any(|&n| n > MAX_GROUPS) {
-            let message = format!("asks for {count:?} workgroups");
-            return Err(kernel_error(label, message));
+        if count.iter().any(|&n| n > MAX_GROUPS) || x * y * z > u32::MAX.into() {
+            return Err(kernel_error(label, format!("{count:?} workgroups")));
         }
         let mut views = Vec::new();
         for binding in dispatch.slots() {
@@ -169,10 +157,7 @@ impl Run {
             };
             let resource = &self.schedule.resources[binding.resource as usize];
             let slot = &mut self.slots[binding.resource as usize];
-            let lines = match (binding.access, &mut slot.before) {
-                (Access::Previous, Some(before)) => before,
-                _ => &mut slot.now,
-            };
+            let lines = &mut slot.memory[usize::from(binding.access == Access::Previous)];
             let (start, bytes) = (lines.as_mut_ptr().cast(), resource.bytes as usize);
             // SAFETY: the memory is initialized, aligned to a `Line`, long enough and writable. It lives in `self.slots`,
             // which nothing moves or touches until the last use of `views` below. Two bindings are of one allocation only
@@ -185,7 +170,6 @@ impl Run {
             );
         }
         let size = dispatch.kernel.workgroup;
-        let [x, y, z] = count.map(u64::from);
         for i in 0..x * y * z {
             let id = [i % x, i / x % y, i / x / y].map(|n| n as u32);
             (dispatch.kernel.cpu)(&views, Workgroup { id, count, size });
@@ -209,7 +193,13 @@ impl Executable for Run {
     fn upload(&mut self, id: ResourceId, offset: u64, bytes: &[u8]) -> Result<(), BackendError> {
         check_range(&self.schedule, id, offset, bytes.len())?;
         let resource = &self.schedule.resources[id as usize];
-        let memory = bytes_of(&mut self.slots[id as usize].now, resource);
+        let memory = bytes_of(&mut self.slots[id as usize].memory[0], resource);
+        if let Some(image) = resource.image {
+            check_image(resource, bytes.len())?;
+            // An image holds texels, so what is read later is rounded to its format.
+            memory.copy_from_slice(&image.format.decode(&image.format.encode(bytes)));
+            return Ok(());
+        }
         memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
         Ok(())
     }
@@ -217,12 +207,12 @@ impl Executable for Run {
     fn run(&mut self) -> Result<(), BackendError> {
         for (slot, resource) in self.slots.iter_mut().zip(&self.schedule.resources) {
             // A history's new value starts undefined, and so does what lives for a frame; images are the host's.
-            if let Some(before) = &mut slot.before {
-                std::mem::swap(&mut slot.now, before);
+            if let Kind::History(_) = resource.kind {
+                slot.memory.rotate_left(1);
                 slot.written = false;
             } else if !resource.kind.persists() && resource.image.is_none() {
                 slot.written = false;
-                slot.now.fill(Line([0xcd; 64]));
+                slot.memory[0].fill(Line([0xcd; 64]));
             }
         }
         (0..self.schedule.steps.len()).try_for_each(|i| self.step(i))
@@ -235,13 +225,16 @@ impl Executable for Run {
     fn read(&mut self, id: ResourceId) -> Result<Vec<u8>, BackendError> {
         check_range(&self.schedule, id, 0, 0)?;
         let resource = &self.schedule.resources[id as usize];
-        Ok(bytes_of(&mut self.slots[id as usize].now, resource).to_vec())
+        Ok(bytes_of(&mut self.slots[id as usize].memory[0], resource).to_vec())
     }
 
     fn reset(&mut self) -> Result<(), BackendError> {
-        for (slot, resource) in self.slots.iter_mut().zip(&self.schedule.resources) {
+        // What can fail comes first, so that after an error nothing has changed.
+        let fresh = slots(&self.schedule)?;
+        let slots = self.slots.iter_mut().zip(fresh);
+        for ((slot, fresh), resource) in slots.zip(&self.schedule.resources) {
             if let Kind::State(_) | Kind::History(_) = resource.kind {
-                *slot = Slot::new(resource)?;
+                *slot = fresh;
             }
         }
         Ok(())
@@ -252,11 +245,16 @@ impl Executable for Run {
     }
 
     fn adopt(&mut self, schedule: Arc<Schedule>) -> Result<(), BackendError> {
+        self.allowed.check(NAME, &schedule)?;
         let mut slots = slots(&schedule)?;
         // Nothing fails from here on, so that after an error all is as it was.
         for (from, to) in schedule.adoptions(&self.schedule) {
             let resource = &self.schedule.resources[from as usize];
-            slots[to as usize].begin_with(&mut self.slots[from as usize], resource);
+            let old = &mut self.slots[from as usize].memory;
+            for (new, old) in slots[to as usize].memory.iter_mut().zip(old) {
+                // What has become longer begins with what it held.
+                bytes_of(new, resource).copy_from_slice(bytes_of(old, resource));
+            }
         }
         (self.schedule, self.slots) = (schedule, slots);
         Ok(())

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Which backend to use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Choice {
     /// The fastest that the machine offers.
     #[default]

@@ -3,7 +3,7 @@ mod change;
 mod lit;
 
 use crate::query::{self, Irradiance};
-use crate::renderer::{RenderError, Shaders, check_size};
+use crate::renderer::{RenderError, Shaders, check_camera, check_size};
 use crate::view::View;
 use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 /// The images of an engine that a frame with [`Screen::Imported`] works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum HostImage {
     /// Depth, in the first component.
     Depth,
@@ -65,7 +66,8 @@ impl HostImage {
 /// let backend = gibs_backend_cpu::CpuBackend::new(Default::default())?;
 /// let mut exec = backend.prepare(gi.schedule().clone())?;
 /// gi.upload_scene(exec.as_mut())?;
-/// gi.begin_frame(exec.as_mut(), &view.camera, Some(&HostGbuffer::perspective(0.1, None, true)))?;
+/// let host = HostGbuffer::perspective(0.1, None, true)?;
+/// gi.begin_frame(exec.as_mut(), &view.camera, Some(&host))?;
 /// exec.run()?;
 /// let indirect = exec.read(gi.image(HostImage::Indirect).ok_or("not imported")?)?;
 /// # assert_eq!(indirect.len(), 64 * 64 * 16);
@@ -263,7 +265,8 @@ impl Gi {
     /// imported G-buffer; it is there if and only if the frame is [`Screen::Imported`].
     ///
     /// # Errors
-    /// [`RenderError::Host`], [`RenderError::Executable`], [`RenderError::Backend`].
+    /// [`RenderError::Host`], [`RenderError::Gbuffer`]; [`RenderError::View`] of a camera that has no picture;
+    /// [`RenderError::Executable`]; [`RenderError::Backend`]. But for the last, nothing has been written then.
     pub fn begin_frame(
         &mut self,
         exec: &mut dyn Executable,
@@ -279,6 +282,8 @@ impl Gi {
                 },
             });
         }
+        host.map_or(Ok(()), HostGbuffer::check)?;
+        check_camera(camera)?;
         let update = FrameUpdate {
             camera,
             size: self.parts.size,

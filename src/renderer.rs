@@ -1,15 +1,14 @@
 //! Rendering a scene with the surfel frame.
-use crate::channels::{read_output, set, surface_channels};
+use crate::channels::{find_output, read_output, set, surface_channels};
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
 use crate::query::Irradiance;
 use crate::view::View;
 use gibs_graph::{Backend, BackendError, Element, Executable, Graph, GraphErrors, Schedule};
-use gibs_passes::accel::BuildError;
-use gibs_passes::data::{SurfacePoint, SurfelCounters};
-use gibs_passes::device::DeviceScene;
+use gibs_passes::data::{HostGbufferError, SurfacePoint, SurfelCounters};
+use gibs_passes::device::{DeviceScene, DeviceSceneError};
 use gibs_passes::frame::{Screen, SettingError, Settings, SurfelOutputs};
-use gibs_passes::scene::Scene;
+use gibs_passes::scene::{Camera, Scene, SceneDataError};
 use gibs_passes::shared::surface;
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
@@ -19,13 +18,19 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The scene has no usable geometry.
+    /// The scene breaks a promise of its types, or has no usable geometry.
     #[error("the scene `{scene}` cannot be traced: {source}")]
     Scene {
         /// Scene.
         scene: String,
         /// Why not.
-        source: BuildError,
+        source: DeviceSceneError,
+    },
+    /// The camera, the sun or the sky of a view has a value that none can have.
+    #[error("the view cannot be rendered: {source}")]
+    View {
+        /// What is wrong.
+        source: SceneDataError,
     },
     /// A setting is out of range.
     #[error(transparent)]
@@ -76,6 +81,9 @@ pub enum RenderError {
         /// The output asked for.
         what: String,
     },
+    /// An engine's G-buffer cannot be read as it is described.
+    #[error(transparent)]
+    Gbuffer(#[from] HostGbufferError),
     /// Irradiance cannot be asked for like this.
     #[error("irradiance of {points} points with {normals} normals: {problem}")]
     Queries {
@@ -126,17 +134,31 @@ pub(crate) fn compile(g: Graph) -> Result<Schedule, GraphErrors> {
 /// Prepares a scene as `view` sees it, with the floating origin near `origin`.
 ///
 /// # Errors
-/// [`RenderError::Scene`].
+/// [`RenderError::Scene`], [`RenderError::View`].
 pub fn device_scene(scene: &Scene, view: &View, origin: DVec3) -> Result<DeviceScene, RenderError> {
+    check_camera(&view.camera)?;
     let pose = scene.pose(&view.animation);
     // On a lattice, so that it does not depend on tiny changes of the camera.
     let origin = (origin / 16.0).round() * 16.0;
-    DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment).map_err(
-        |source| RenderError::Scene {
+    DeviceScene::build(scene, &pose, origin, view.sun.as_ref(), &view.environment)
+        .map_err(refused(scene))
+}
+
+/// Names the scene, unless it is the view that is refused.
+pub(crate) fn refused(scene: &Scene) -> impl FnOnce(DeviceSceneError) -> RenderError {
+    |source| match source {
+        DeviceSceneError::View(source) => RenderError::View { source },
+        source => RenderError::Scene {
             scene: scene.name.clone(),
             source,
         },
-    )
+    }
+}
+
+pub(crate) fn check_camera(camera: &Camera) -> Result<(), RenderError> {
+    camera
+        .check()
+        .map_err(|source| RenderError::View { source })
 }
 
 pub(crate) fn check_size(size: [u32; 2]) -> Result<(), RenderError> {
@@ -206,7 +228,7 @@ impl Renderer {
 
     /// Looks from elsewhere from the next frame on. Everything that the surfels know stays. Where the camera has gone
     /// some kilometres or has another field of view, [`Renderer::cut`] is better.
-    pub fn set_camera(&mut self, camera: gibs_passes::scene::Camera) {
+    pub fn set_camera(&mut self, camera: Camera) {
         self.view.camera = camera;
     }
 
@@ -360,6 +382,7 @@ impl Renderer {
     /// [`RenderError::NoFrame`] before the first frame and between a change and the next one;
     /// [`BackendError::Refused`] if the frame has no such output, or its elements are of another type.
     pub fn output<T: Element>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
+        find_output::<T>(self.gi.schedule(), name)?;
         if !self.gi.has_begun() {
             return Err(RenderError::NoFrame { what: name.into() });
         }

@@ -468,7 +468,7 @@ fn an_executable_belongs_to_its_gi() {
     let (mut gi, other) = (gi("cornell"), gi("many-lights"));
     let mut exec = backend.prepare(other.schedule().clone()).expect("prepares");
     let exec = exec.as_mut();
-    let host = HostGbuffer::perspective(0.1, None, true);
+    let host = HostGbuffer::perspective(0.1, None, true).expect("planes");
     let mut lit = view.clone();
     lit.environment = gibs::passes::scene::Environment::Constant(Vec3::ONE);
     let refused = [

@@ -5,7 +5,8 @@ mod common;
 
 use gibs::graph::glam::Vec4;
 use gibs::graph::{
-    BackendError, Dispatch, Graph, GraphError, NullBackend, WgslSource, Workgroup, stage,
+    Backend, BackendError, Dispatch, Executable, Graph, GraphError, NullBackend, WgslSource,
+    Workgroup, stage,
 };
 use gibs::passes::frame::{Light, SurfelOutputs};
 use gibs::{RenderError, Renderer, builtin};
@@ -143,6 +144,7 @@ fn stages_that_do_not_fit_are_refused() {
 #[test]
 fn outputs_that_are_not_there_are_refused() {
     let mut renderer = renderer(|g, frame| g.output("gathered", &frame.gathered)).expect("a frame");
+    renderer.frame().expect("runs");
     assert_eq!(renderer.output::<Vec4>("color").expect("there").len(), 64);
     let gathered = renderer.output::<gibs::passes::data::Gathered>("gathered");
     assert_eq!(gathered.expect("there").len(), 64);
@@ -157,4 +159,29 @@ fn outputs_that_are_not_there_are_refused() {
     );
     let error = refused(renderer.output::<f32>("color").map(|_| ()));
     assert!(error.contains("`vec4<f32>`, not `f32`"), "{error}");
+}
+
+/// An engine makes a renderer on one thread and renders on another.
+#[test]
+fn a_renderer_moves_to_another_thread() {
+    const fn is_send<T: Send>() {}
+    const fn is_shared<T: Send + Sync + ?Sized>() {}
+    const {
+        is_send::<Renderer>();
+        is_send::<gibs::Gi>();
+        is_send::<Box<dyn Executable>>();
+        is_shared::<dyn Backend>();
+    }
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let settings = common::settings(100);
+    for backend in common::all_backends() {
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [8, 8], &settings, 0)
+            .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+        let there = std::thread::spawn(move || {
+            renderer.frame()?;
+            renderer.picture().map(|picture| picture.width)
+        });
+        let width = there.join().expect("no panic");
+        assert_eq!(width.expect("a picture"), 8, "{}", backend.name());
+    }
 }

@@ -125,10 +125,10 @@ fn an_imported_gbuffer_gives_the_light_of_a_traced_one() {
     let expected = traced(name, 0);
     let other_seed = mean(&traced(name, 1)) / mean(&expected) - 1.0;
     println!("{name}, another seed: {:+.2} %", other_seed * 100.0);
-    let reversed = HostGbuffer::perspective(0.1, None, true);
+    let reversed = HostGbuffer::perspective(0.1, None, true).expect("planes");
     let finite = HostGbuffer {
         normals: NORMALS_UNSIGNED,
-        ..HostGbuffer::perspective(0.05, Some(500.0), false)
+        ..HostGbuffer::perspective(0.05, Some(500.0), false).expect("planes")
     };
     for (kind, host) in [("reversed and infinite", reversed), ("finite", finite)] {
         let got = imported(name, cpu().as_ref(), &host);
@@ -143,7 +143,7 @@ fn an_imported_gbuffer_gives_the_light_of_a_traced_one() {
 /// floats, 2^-11 each, and of the albedo to 16 bits.
 #[test]
 fn radiance_is_irradiance_times_albedo_over_pi() {
-    let plain = HostGbuffer::perspective(0.1, None, true);
+    let plain = HostGbuffer::perspective(0.1, None, true).expect("planes");
     let radiance = HostGbuffer {
         radiance: 1,
         exposure: 4.0,
@@ -169,7 +169,7 @@ fn radiance_is_irradiance_times_albedo_over_pi() {
 fn too_much_light_stays_finite() {
     let blinding = HostGbuffer {
         exposure: 1e30,
-        ..HostGbuffer::perspective(0.1, None, true)
+        ..HostGbuffer::perspective(0.1, None, true).expect("planes")
     };
     for backend in all_backends() {
         let got = imported("cornell", backend.as_ref(), &blinding);
@@ -188,7 +188,7 @@ fn a_frame_that_imports_nothing_takes_no_description() {
     for (screen, host) in [
         (
             Screen::Traced,
-            Some(HostGbuffer::perspective(0.1, None, true)),
+            Some(HostGbuffer::perspective(0.1, None, true).expect("planes")),
         ),
         (Screen::Imported, None),
     ] {
@@ -203,7 +203,7 @@ fn a_frame_that_imports_nothing_takes_no_description() {
 
 #[test]
 fn backends_import_alike() {
-    let host = HostGbuffer::perspective(0.1, None, true);
+    let host = HostGbuffer::perspective(0.1, None, true).expect("planes");
     let expected = imported("cornell", cpu().as_ref(), &host);
     for backend in all_backends() {
         let got = imported("cornell", backend.as_ref(), &host);

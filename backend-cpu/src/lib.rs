@@ -4,9 +4,11 @@
 //! result, that one runs unless [`Options::scalar`] asks for the oracle.
 #![deny(clippy::undocumented_unsafe_blocks)]
 #![warn(missing_docs)]
+mod dispatch;
 mod executable;
 mod memory;
 mod order;
+mod system;
 
 use gibs_graph::{
     Backend, BackendError, Capabilities, DeviceInfo, Executable, MAX_GROUPS, Schedule,
@@ -25,6 +27,9 @@ pub struct Options {
 }
 
 /// The processor as a backend.
+///
+/// Of its [`Capabilities`], `memory` is what the system had available when it was made, or the limit of the process's
+/// control group where that is less.
 #[derive(Debug)]
 pub struct CpuBackend {
     shared: Arc<Shared>,
@@ -68,6 +73,8 @@ impl CpuBackend {
         };
         let mut capabilities = Capabilities::unlimited();
         capabilities.workgroups = [MAX_GROUPS; 3];
+        capabilities.memory = system::memory();
+        capabilities.host_data = true;
         Ok(Self {
             shared: Arc::new(Shared {
                 options,

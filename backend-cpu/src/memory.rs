@@ -145,3 +145,23 @@ impl Allocation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gibs_graph::Graph;
+
+    #[test]
+    fn more_than_an_address_can_say_is_an_error() {
+        let mut g = Graph::new("test");
+        let huge = g.input::<u32>("huge", u64::MAX / 2);
+        g.output("huge", &huge);
+        let schedule = g.compile(None).expect("it is sound");
+        let made = Allocation::new(&schedule.resources[0]);
+        let named = |resource: &str, bytes| resource == "huge" && bytes == u64::MAX;
+        assert!(matches!(
+            made.err(),
+            Some(BackendError::OutOfMemory { resource, bytes, .. }) if named(&resource, bytes)
+        ));
+    }
+}

@@ -210,16 +210,24 @@ fn uploads_beyond_a_resource_are_errors() {
     let error = exec.upload(source, 3997, &[1, 2, 3, 4]);
     assert_eq!(
         message(error),
-        "`source` has 4000 bytes, 3997..4001 was asked for"
+        "`source` has 4000 bytes, 3997..4001 was asked for; stay within them"
     );
     let error = exec.upload(source, u64::MAX, &[1]);
     assert_eq!(
         message(error),
-        format!("`source` has 4000 bytes, {0}..{0} was asked for", u64::MAX)
+        format!(
+            "`source` has 4000 bytes, {0}..{0} was asked for; stay within them",
+            u64::MAX
+        )
     );
     let error = exec.upload(99, 0, &[]);
-    assert_eq!(message(error), "`#99` has 0 bytes, 0..0 was asked for");
-    assert!(matches!(exec.read(99), Err(BackendError::Range { .. })));
+    let name = &exec.schedule().name;
+    let count = exec.schedule().resources.len();
+    let want = format!(
+        "resource 99 of `{name}`: the schedule has {count} resources; take the number from `Schedule::resource` or `Schedule::output`"
+    );
+    assert_eq!(message(error), want);
+    assert!(matches!(exec.read(99), Err(BackendError::Refused { .. })));
     // What failed changed nothing.
     let words = read(&mut *exec, "source");
     assert_eq!(words[998..], [0, u32::from_ne_bytes([1, 2, 3, 4])]);
@@ -235,18 +243,53 @@ fn uploads_replace_the_bytes_that_they_name() {
     assert_eq!(bytes[..12], [0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0]);
 }
 
+/// Refused before anything is allocated, also where only wide kernels would see it. A machine that does not say how much
+/// memory it has finds out by asking for it.
 #[test]
 fn memory_that_is_not_there_is_an_error() {
+    let backend = backend(Options::default());
+    let limit = backend.capabilities().memory;
     let mut g = Graph::new("test");
     let huge = g.input::<u32>("huge", u64::MAX / 2);
     g.output("huge", &huge);
-    let result = backend(Options::default()).prepare(compile(g));
-    let text = result.err().unwrap().to_string();
-    let want = format!(
-        "out of memory on `cpu` allocating {} bytes for `huge`; ",
-        u64::MAX
-    );
+    let text = backend.prepare(compile(g)).err().unwrap().to_string();
+    if limit == u64::MAX {
+        let want = format!("out of memory on `cpu` allocating {limit} bytes for `huge`; ");
+        assert!(text.starts_with(&want), "{text}");
+        return;
+    }
+    let want = format!("graph `test` (bytes of memory in all) needs {}, ", u64::MAX);
     assert!(text.starts_with(&want), "{text}");
+    assert!(text.contains(&format!(" allows {limit}; ")), "{text}");
+
+    let mut g = Graph::new("test");
+    let tree = g.input::<u32>("tree", limit / 4 + 1);
+    let target = g.transient("target", LEN);
+    let inputs = hosted::Inputs {
+        tree: &tree,
+        target,
+    };
+    let out = g.add::<hosted::Hosted>("trace", inputs, all());
+    g.output("target", &out.target);
+    let refused = backend.prepare(compile(g));
+    assert!(matches!(refused.err(), Some(BackendError::Limit { need, .. }) if need > limit));
+}
+
+mod hosted {
+    use gibs_graph::{WgslSource, Workgroup, stage};
+
+    stage! {
+        /// Has data for wide CPU kernels.
+        pub stage Hosted {
+            wgsl: WgslSource { name: "hosted", text: "", modules: &[], features: &[] },
+            workgroup: [64, 1, 1],
+            ports: { host_only tree: u32, write target: u32 },
+            cpu: kernel,
+            wide: None,
+        }
+    }
+
+    fn kernel(_: &Views<'_>, _: Workgroup) {}
 }
 
 #[test]

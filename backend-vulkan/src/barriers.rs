@@ -142,7 +142,7 @@ fn flags_of(access: Access) -> vk::AccessFlags {
             vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE
         }
         Access::Indirect => vk::AccessFlags::INDIRECT_COMMAND_READ,
-        Access::HostOnly => vk::AccessFlags::empty(),
+        _ => vk::AccessFlags::empty(),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::device::Device;
 use crate::imports::Imports;
 use crate::kernels;
 use crate::pending::Pending;
-use crate::record::Program;
+use crate::record::{Program, known};
 use crate::storage::Stores;
 use crate::stream::Stream;
 use crate::timing::Timer;
@@ -54,6 +54,7 @@ impl VulkanExecutable {
     pub(crate) fn new(device: &Arc<Device>, schedule: Arc<Schedule>) -> Result<Self, BackendError> {
         let adapter = &device.adapter;
         adapter.capabilities.check(&adapter.info.name, &schedule)?;
+        known(&schedule)?;
         let kernels = kernels::build(device, &schedule)?;
         // Before the stream, so that after an error below the stream goes first and waits for its work.
         let mut stores = Stores::new(&schedule);
@@ -162,11 +163,11 @@ impl Executable for VulkanExecutable {
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
         self.refuse_lent(resource, "written")?;
+        if self.schedule.resources[resource as usize].image.is_some() {
+            return self.upload_image(resource, bytes);
+        }
         if bytes.is_empty() {
             return Ok(());
-        }
-        if self.schedule.resources[resource as usize].image.is_some() {
-            return self.upload_image(resource, offset, bytes);
         }
         let Some(target) = self.stores.buffer(resource, self.parity) else {
             // Only CPU kernels read it.

@@ -47,13 +47,9 @@ fn region(offset: u64, [x, y, width, height]: Rectangle) -> [vk::BufferImageCopy
 }
 
 impl Stream {
-    /// Records a copy of encoded texels to `target`, from texel `first` on.
-    pub fn write_image(
-        &mut self,
-        target: &Image,
-        mut first: u64,
-        mut bytes: &[u8],
-    ) -> Result<(), BackendError> {
+    /// Records a copy of all texels, encoded, to `target`.
+    pub fn write_image(&mut self, target: &Image, mut bytes: &[u8]) -> Result<(), BackendError> {
+        let mut first = 0;
         let size = target.shape.size;
         let texel = u64::from(target.shape.format.texel_bytes());
         while !bytes.is_empty() {

@@ -3,7 +3,7 @@ use crate::bound::Bound;
 use crate::executable::VulkanExecutable;
 use crate::imports::{Import, ImportedImage};
 use ash::vk;
-use gibs_graph::{BackendError, Kind, Resource, ResourceId, check_range};
+use gibs_graph::{BackendError, Kind, Resource, ResourceId, check_image, check_range, lent};
 
 /// Something that cannot be done as things stand.
 pub(crate) fn refused(
@@ -39,13 +39,14 @@ impl VulkanExecutable {
     /// once a combination of them was used, using it again makes nothing and allocates nothing.
     ///
     /// # Errors
-    /// [`BackendError::Range`] if there is no such resource, [`BackendError::Refused`] if it is a buffer, or if the
-    /// layout of `exit` is none that an image can be brought to.
+    /// [`BackendError::Refused`] if there is no such resource, if it is a buffer, or if the layout of `exit` is none that
+    /// an image can be brought to.
     ///
     /// # Safety
     /// - Image and view belong to the backend's device, and outlive every frame that uses them; the view exists until
     ///   [`VulkanExecutable::forget_imports`] is called, or the executable is dropped.
-    /// - The view is two-dimensional, of the first level and layer, as large as the resource, and of a format that
+    /// - The view is two-dimensional, of the first level and layer, as large as the resource (Vulkan says no image's size,
+    ///   so this cannot be checked here), and of a format that
     ///   stages can have: for [`ImageFormat::Float`](gibs_graph::ImageFormat::Float) one of floats, normalized
     ///   integers or depths; for [`ImageFormat::Uint`](gibs_graph::ImageFormat::Uint) one of unsigned integers; else
     ///   the same format. The image was made to be sampled, or, for an export, for storage.
@@ -81,7 +82,7 @@ impl VulkanExecutable {
     /// host orders its writes before each frame on the queue; every frame begins with a barrier behind all of them.
     ///
     /// # Errors
-    /// [`BackendError::Range`] if there is no such resource, [`BackendError::Refused`] if it is an image, or no input.
+    /// [`BackendError::Refused`] if there is no such resource, if it is an image, or no input.
     ///
     /// # Safety
     /// - The buffer belongs to the backend's device, and exists until [`VulkanExecutable::forget_imports`] is called,
@@ -138,39 +139,23 @@ impl VulkanExecutable {
     pub(crate) fn refuse_lent(&self, resource: ResourceId, done: &str) -> Result<(), BackendError> {
         match self.imports.get(resource) {
             None => Ok(()),
-            Some(_) => Err(refused(
-                format!("`{}` cannot be {done}", self.resource(resource)?.key),
-                "the host has lent it",
-                "use it where the host has it, or call forget_imports first",
-            )),
+            Some(_) => Err(lent(self.resource(resource)?, done)),
         }
     }
 
-    /// Replaces texels of an own image, from a byte of its values on.
+    /// Replaces all texels of an own image by values.
     pub(crate) fn upload_image(
         &mut self,
         id: ResourceId,
-        offset: u64,
         values: &[u8],
     ) -> Result<(), BackendError> {
         let resource = &self.schedule.resources[id as usize];
-        let value = u64::from(resource.element.size()).max(1);
-        if !offset.is_multiple_of(value) || !(values.len() as u64).is_multiple_of(value) {
-            return Err(refused(
-                format!(
-                    "upload of {} bytes at {offset} to the image `{}`",
-                    values.len(),
-                    resource.key
-                ),
-                format!("texels are written as values of {value} bytes, and only whole"),
-                format!("upload multiples of {value} bytes, at multiples of {value}"),
-            ));
-        }
+        check_image(resource, values.len())?;
         self.stores.make_image(id, resource, &mut self.stream)?;
         match (self.stores.image(id), resource.image) {
             (Some(image), Some(shape)) => {
                 let texels = shape.format.encode(values);
-                self.stream.write_image(image, offset / value, &texels)
+                self.stream.write_image(image, &texels)
             }
             _ => Ok(()),
         }

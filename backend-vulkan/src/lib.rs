@@ -11,6 +11,7 @@
 //!
 //! The Vulkan loader is opened at run time, so a program with this backend starts on a machine without one.
 #![deny(clippy::undocumented_unsafe_blocks)]
+#![warn(missing_docs)]
 mod adapter;
 mod backend;
 mod barriers;

@@ -7,7 +7,7 @@ use crate::imports::Imports;
 use crate::kernels::Kernel;
 use crate::timing::Timer;
 use ash::vk;
-use gibs_graph::{Action, BackendError, DispatchSize, DispatchStep, Schedule};
+use gibs_graph::{Action, BackendError, DispatchSize, DispatchStep, Schedule, unknown_step};
 use std::ffi::CString;
 use std::sync::Arc;
 
@@ -42,8 +42,21 @@ enum Size {
     Indirect([vk::Buffer; 2]),
 }
 
+/// Fails for a step that the backend does not know.
+pub(crate) fn known(schedule: &Schedule) -> Result<(), BackendError> {
+    let unknown = schedule.steps.iter().find(|step| match &step.action {
+        Action::Clear(_) => false,
+        Action::Dispatch(dispatch) => !matches!(
+            dispatch.size,
+            DispatchSize::Groups(_) | DispatchSize::Indirect(_)
+        ),
+        _ => true,
+    });
+    unknown.map_or(Ok(()), |step| Err(unknown_step(&step.label)))
+}
+
 impl Program {
-    /// Turns every step into a command. `kernels` has an entry per step.
+    /// Turns every step into a command; [`known`] has looked at them. `kernels` has an entry per step.
     pub fn new(schedule: &Schedule, kernels: &[Option<Arc<Kernel>>], bound: Bound<'_>) -> Self {
         let dispatch = |i: usize, dispatch: &DispatchStep| {
             let kernel = kernels[i].as_deref()?;
@@ -51,6 +64,7 @@ impl Program {
                 DispatchSize::Groups(groups) if groups.contains(&0) => return None,
                 DispatchSize::Groups(groups) => Size::Groups(groups),
                 DispatchSize::Indirect(_) => Size::Indirect(Default::default()),
+                _ => return None,
             };
             let (pipeline, layout) = (kernel.pipeline, kernel.layout);
             Some(Command::Dispatch {
@@ -69,6 +83,7 @@ impl Program {
                     Command::Clear { buffer, size }
                 }),
                 Action::Dispatch(step) => dispatch(i, step),
+                _ => None,
             };
             command.unwrap_or(Command::Nothing)
         });

@@ -34,7 +34,7 @@ impl Store {
         let zero = Initial::Zero;
         let initial = match &resource.kind {
             Kind::State(initial) | Kind::History(initial) => initial,
-            Kind::Input | Kind::Transient | Kind::Zeroed => &zero,
+            _ => &zero,
         };
         let word = repeated_word(initial);
         for buffer in buffers {
@@ -51,13 +51,13 @@ impl Store {
 fn repeated_word(initial: &Initial) -> Option<u32> {
     match initial {
         Initial::Zero => Some(0),
-        Initial::Sequence => None,
         Initial::Fill(element) => {
             let (words, rest) = element.as_chunks::<4>();
             let first = *words.first()?;
             let same = rest.is_empty() && words.iter().all(|word| *word == first);
             same.then(|| u32::from_ne_bytes(first))
         }
+        _ => None,
     }
 }
 

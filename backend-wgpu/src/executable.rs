@@ -10,6 +10,7 @@ use crate::timing::Timer;
 use crate::uploads::Uploads;
 use gibs_graph::{
     BackendError, Executable, ResourceId, Schedule, StepTime, check_image, check_range, check_step,
+    lent,
 };
 use std::sync::Arc;
 
@@ -101,24 +102,21 @@ impl WgpuExecutable {
         self.submit(|this, encoder| this.uploads.record(&this.context, encoder))
     }
 
+    /// Fails where the host has the memory of a resource.
+    fn refuse_lent(&self, resource: ResourceId, done: &str) -> Result<(), BackendError> {
+        match self.stores.import(resource) {
+            None => Ok(()),
+            Some(_) => Err(lent(&self.schedule.resources[resource as usize], done)),
+        }
+    }
+
     fn upload_image(&mut self, resource: ResourceId, bytes: &[u8]) -> Result<(), BackendError> {
         let found = &self.schedule.resources[resource as usize];
-        if self.stores.import(resource).is_some() {
-            return Err(hosts_image(&found.key));
-        }
         check_image(found, bytes.len())?;
         match self.stores.own_image(&self.context, resource)? {
             Some(image) => image.write(&self.context, bytes),
             None => Ok(()),
         }
-    }
-}
-
-fn hosts_image(key: &str) -> BackendError {
-    BackendError::Refused {
-        what: format!("reading or writing `{key}`"),
-        reason: "the image is the host's".into(),
-        remedy: "use it without the backend".into(),
     }
 }
 
@@ -136,6 +134,7 @@ impl Executable for WgpuExecutable {
         bytes: &[u8],
     ) -> Result<(), BackendError> {
         check_range(&self.schedule, resource, offset, bytes.len())?;
+        self.refuse_lent(resource, "written")?;
         if self.schedule.resources[resource as usize].image.is_some() {
             return self.upload_image(resource, bytes);
         }
@@ -171,14 +170,11 @@ impl Executable for WgpuExecutable {
 
     fn read(&mut self, resource: ResourceId) -> Result<Vec<u8>, BackendError> {
         check_range(&self.schedule, resource, 0, 0)?;
-        let found = &self.schedule.resources[resource as usize];
-        if found.image.is_some() {
-            return match self.stores.import(resource) {
-                Some(_) => Err(hosts_image(&found.key)),
-                None => match self.stores.own_image(&self.context, resource)? {
-                    Some(image) => image.read(&self.context),
-                    None => Ok(Vec::new()),
-                },
+        self.refuse_lent(resource, "read")?;
+        if self.schedule.resources[resource as usize].image.is_some() {
+            return match self.stores.own_image(&self.context, resource)? {
+                Some(image) => image.read(&self.context),
+                None => Ok(Vec::new()),
             };
         }
         self.submit_uploads()?;

@@ -74,7 +74,7 @@ fn slot(port: &Port) -> Option<Slot> {
         Access::Read | Access::Previous => Some(Slot::ReadOnly),
         Access::Write | Access::ReadWrite | Access::Atomic => Some(Slot::ReadWrite),
         Access::Sampled | Access::Stored => port.image.map(Slot::Image),
-        Access::HostOnly | Access::Indirect => None,
+        _ => None,
     }
 }
 

@@ -11,6 +11,7 @@
 //! Small uploads are copies at the start of the next frame, from staging buffers that are used again; large ones, and
 //! images, go to the queue.
 #![deny(unsafe_code)]
+#![warn(missing_docs)]
 mod backend;
 mod buffers;
 mod context;

@@ -64,6 +64,8 @@ impl Recorder<'_> {
                     pass.dispatch_workgroups_indirect(args, 0);
                 }
             }
+            // Refused when the steps were built.
+            _ => {}
         }
     }
 }

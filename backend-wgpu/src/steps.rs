@@ -3,7 +3,9 @@ use crate::buffers::Parity;
 use crate::context::Context;
 use crate::kernels::{Kernel, bind, kernel};
 use crate::stores::{Import, Stores};
-use gibs_graph::{Action, BackendError, DispatchSize, DispatchStep, Kind, ResourceId, Schedule};
+use gibs_graph::{
+    Action, BackendError, DispatchSize, DispatchStep, Kind, ResourceId, Schedule, unknown_step,
+};
 use std::sync::Arc;
 
 /// The steps of a schedule.
@@ -81,6 +83,14 @@ impl Steps {
         let mut steps = Vec::with_capacity(schedule.steps.len());
         for (i, step) in schedule.steps.iter().enumerate() {
             let label = &step.label;
+            if let Action::Dispatch(dispatch) = &step.action
+                && !matches!(
+                    dispatch.size,
+                    DispatchSize::Groups(_) | DispatchSize::Indirect(_)
+                )
+            {
+                return Err(unknown_step(label));
+            }
             steps.push(match &step.action {
                 &Action::Clear(resource) => Step::Clear {
                     resource,
@@ -95,6 +105,7 @@ impl Steps {
                     chosen: 0,
                     imports: importable(schedule, dispatch),
                 })),
+                _ => return Err(unknown_step(label)),
             });
         }
         Ok(Self {

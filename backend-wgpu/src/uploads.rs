@@ -7,8 +7,8 @@ use crate::context::Context;
 use crate::patch::{PATCH, Patch, WORD};
 use gibs_graph::BackendError;
 use std::ops::Range;
+use wgpu::BufferSize;
 use wgpu::util::StagingBelt;
-use wgpu::{BufferSize, BufferUsages};
 
 /// Most bytes of one upload to a buffer that is recorded with the next frame. A larger one takes effect before
 /// everything in the next submission; see [`WgpuExecutable::record`](crate::WgpuExecutable::record).
@@ -71,14 +71,6 @@ impl Uploads {
         let (head, rest) = bytes.split_at(before.min(bytes.len()));
         let (words, tail) = rest.split_at(rest.len() / WORD * WORD);
         let has_parts = !head.is_empty() || !tail.is_empty();
-        if target.usage().contains(BufferUsages::COPY_DST) {
-            if has_parts && !target.usage().contains(BufferUsages::COPY_SRC) {
-                let reason = "words that change in part are read, and the host's buffer lacks the usage COPY_SRC";
-                return Err(refuse(key, reason));
-            }
-        } else {
-            return Err(refuse(key, "the host's buffer lacks the usage COPY_DST"));
-        }
         if has_parts && self.patch.is_none() {
             self.patch = Some(Patch::new(context)?);
         }
@@ -157,13 +149,5 @@ impl Uploads {
         // If the encoder is dropped, so is the staging buffer.
         belt.finish_and_recall_on_submit(encoder);
         Ok(())
-    }
-}
-
-fn refuse(key: &str, reason: &str) -> BackendError {
-    BackendError::Refused {
-        what: format!("writing `{key}`"),
-        reason: reason.into(),
-        remedy: "make the buffer with that usage, or write it without the backend".into(),
     }
 }

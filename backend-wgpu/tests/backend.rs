@@ -47,7 +47,7 @@ fn bytes_and_steps_that_are_not_there_are_errors() {
             ..
         })
     ));
-    assert!(matches!(run.read(99), Err(BackendError::Range { .. })));
+    assert!(matches!(run.read(99), Err(BackendError::Refused { .. })));
     assert!(matches!(
         run.run_step(99),
         Err(BackendError::Refused { .. })
@@ -251,7 +251,7 @@ fn after_an_error_the_old_schedule_goes_on() {
     let mut run = backend.prepare(aging(10, 10)).unwrap();
     upload(&mut *run, "amount", &[1, 0, 0, 0]);
     run.run().unwrap();
-    assert!(run.adopt(aging(1 << 36, 10)).is_err());
+    assert!(run.adopt(aging((1 << 32) - (1 << 17), 10)).is_err());
     run.run().unwrap();
     assert_eq!(read(&mut *run, "ages"), [7; 10]);
     assert_eq!(read(&mut *run, "totals"), [7; 10]);
@@ -289,7 +289,7 @@ fn time_is_measured_for_every_dispatch() {
 }
 
 #[test]
-fn a_limit_names_the_resource_or_the_stage() {
+fn a_limit_names_the_resource() {
     let Some(backend) = backend() else { return };
     let len = backend.capabilities().storage_binding / 4 + 1;
     let Err(error) = backend.prepare(doubling(len)) else {
@@ -298,14 +298,6 @@ fn a_limit_names_the_resource_or_the_stage() {
     assert!(
         matches!(&error, BackendError::Limit { what, need, .. }
         if what.contains("`numbers`") && *need == 4 * len),
-        "{error}"
-    );
-    let error = refusal::<broken::wide::Wide>(&backend, |numbers, doubled| broken::wide::Inputs {
-        numbers,
-        doubled,
-    });
-    assert!(
-        matches!(&error, BackendError::Limit { what, need: 1_048_576, .. } if what.contains("`bad`")),
         "{error}"
     );
 }
@@ -373,8 +365,7 @@ macro_rules! doubled {
 doubled!(
     broken::syntax::Outputs,
     broken::unnamed::Outputs,
-    broken::refused::Outputs,
-    broken::wide::Outputs
+    broken::refused::Outputs
 );
 
 #[test]

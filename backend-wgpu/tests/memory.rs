@@ -255,6 +255,7 @@ impl Plain {
                     DispatchSize::Indirect(args) => {
                         pass.dispatch_workgroups_indirect(buffer(args), 0);
                     }
+                    other => panic!("{other:?}"),
                 }
                 i += 1;
             }

@@ -26,7 +26,7 @@ mod verdict;
 use engine::{World, evening, views};
 use frames::Frames;
 use gibs::graph::{Executable, ImageFormat};
-use gibs::passes::data::HostGbuffer;
+use gibs::passes::data::{HostGbuffer, HostGbufferError};
 use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::shared::gbuffer::NORMALS_OCTAHEDRAL;
 use gibs::view::View;
@@ -119,12 +119,12 @@ impl Lit<'_> {
 }
 
 /// How the engine's G-buffer is to be read.
-fn conventions() -> HostGbuffer {
-    let near_far = HostGbuffer::perspective(raster::NEAR.into(), Some(raster::FAR.into()), false);
-    HostGbuffer {
+fn conventions() -> Result<HostGbuffer, HostGbufferError> {
+    let near_far = HostGbuffer::perspective(raster::NEAR.into(), Some(raster::FAR.into()), false)?;
+    Ok(HostGbuffer {
         normals: NORMALS_OCTAHEDRAL,
         ..near_far
-    }
+    })
 }
 
 /// Draws and lights frames.
@@ -145,7 +145,7 @@ unsafe fn draw(
             unsafe { raster.draw(commands, &lit.gbuffer, &view.camera) };
             // gibs, each frame: what changed, then its commands among the engine's.
             lit.gi
-                .begin_frame(&mut lit.exec, &view.camera, Some(&conventions()))?;
+                .begin_frame(&mut lit.exec, &view.camera, Some(&conventions()?))?;
             // SAFETY: the commands are being recorded, and are submitted below, once and in order; the fences see to it
             // that no more than two frames are under way, and `frames` that all are done before the executable goes.
             unsafe { lit.exec.record(commands) }?;
@@ -253,7 +253,7 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
         let name = format!("view {i}");
         agrees &=
             verdict::agrees_with_traced(&name, &indirect, &scene, view, &settings, SIZE, FRAMES)?;
-        let (name, host) = (format!("{name}: at noon"), conventions());
+        let (name, host) = (format!("{name}: at noon"), conventions()?);
         agrees &= lit
             .twin
             .agrees(&name, &indirect, &surfaces, &view.camera, &host, FRAMES)?;
@@ -297,7 +297,7 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
     for (i, (view, lit)) in views.iter().zip(&mut lit).enumerate() {
         // SAFETY: as above.
         let (indirect, surfaces) = unsafe { read(&mut frames, lit) }?;
-        let (name, host) = (format!("view {i}: in the evening"), conventions());
+        let (name, host) = (format!("view {i}: in the evening"), conventions()?);
         let camera = &view.camera;
         agrees &= lit
             .twin

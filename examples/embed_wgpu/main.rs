@@ -16,7 +16,7 @@ mod verdict;
 
 use engine::{World, evening, views};
 use gibs::graph::Executable;
-use gibs::passes::data::HostGbuffer;
+use gibs::passes::data::{HostGbuffer, HostGbufferError};
 use gibs::passes::frame::{Screen, Settings};
 use gibs::view::View;
 use gibs::{Gi, HostImage};
@@ -76,7 +76,7 @@ impl Lit {
 }
 
 /// How the engine's G-buffer is to be read.
-fn conventions() -> HostGbuffer {
+fn conventions() -> Result<HostGbuffer, HostGbufferError> {
     HostGbuffer::perspective(NEAR.into(), None, true)
 }
 
@@ -95,7 +95,7 @@ fn draw(
             raster.draw(&gpu.queue, &mut encoder, &lit.gbuffer, &view.camera, aspect);
             // gibs, each frame: what changed, then its commands among the engine's.
             lit.gi
-                .begin_frame(&mut lit.exec, &view.camera, Some(&conventions()))?;
+                .begin_frame(&mut lit.exec, &view.camera, Some(&conventions()?))?;
             lit.exec.record(&mut encoder)?;
         }
         gpu.queue.submit([encoder.finish()]);
@@ -118,7 +118,7 @@ fn check(
         let (name, camera) = (format!("view {i}: {when}"), &view.camera);
         agrees &= lit
             .twin
-            .agrees(&name, &indirect, &surfaces, camera, &conventions(), frames)?;
+            .agrees(&name, &indirect, &surfaces, camera, &conventions()?, frames)?;
     }
     Ok(agrees)
 }

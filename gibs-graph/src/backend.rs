@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
 
-/// Runs schedules on some device.
-pub trait Backend {
+/// Runs schedules on some device. It may be shared between threads.
+pub trait Backend: Send + Sync {
     /// Short name: `cpu`, `wgpu`, `vulkan`.
     fn name(&self) -> &str;
 
@@ -29,8 +29,9 @@ pub trait Backend {
 /// A schedule that is ready to run. A backend's own type behind it is found through `dyn Any`:
 /// `(exec as Box<dyn Any>).downcast()`.
 ///
-/// Calls take effect in order: an upload before [`Executable::run`] is seen by that frame.
-pub trait Executable: Any {
+/// Calls take effect in order: an upload before [`Executable::run`] is seen by that frame. It may move to another
+/// thread between calls, such as an engine's render thread.
+pub trait Executable: Any + Send {
     /// The schedule.
     fn schedule(&self) -> &Arc<Schedule>;
 
@@ -188,7 +189,7 @@ pub enum BackendError {
         message: String,
     },
     /// The caller asked for bytes that are not there.
-    #[error("`{resource}` has {bytes} bytes, {offset}..{end} was asked for")]
+    #[error("`{resource}` has {bytes} bytes, {offset}..{end} was asked for; stay within them")]
     Range {
         /// Resource.
         resource: String,
@@ -224,7 +225,7 @@ pub enum BackendError {
 /// Checks an upload against the size of a resource.
 ///
 /// # Errors
-/// [`BackendError::Range`].
+/// [`BackendError::Range`]; [`BackendError::Refused`] where the schedule has no such resource.
 pub fn check_range(
     schedule: &Schedule,
     resource: ResourceId,
@@ -232,11 +233,10 @@ pub fn check_range(
     len: usize,
 ) -> Result<(), BackendError> {
     let Some(found) = schedule.resources.get(resource as usize) else {
-        return Err(BackendError::Range {
-            resource: format!("#{resource}"),
-            bytes: 0,
-            offset,
-            end: offset,
+        return Err(BackendError::Refused {
+            what: format!("resource {resource} of `{}`", schedule.name),
+            reason: format!("the schedule has {} resources", schedule.resources.len()),
+            remedy: "take the number from `Schedule::resource` or `Schedule::output`".into(),
         });
     };
     match offset.checked_add(len as u64) {
@@ -279,4 +279,23 @@ pub fn check_image(image: &Resource, len: usize) -> Result<(), BackendError> {
         reason: format!("{len} bytes were given, it has {}", image.bytes),
         remedy: "write the whole image, a value per texel".into(),
     })
+}
+
+/// The error of reading or writing a resource whose memory a host has lent; `done` is `read` or `written`. Only the host
+/// knows when its own work is done with it, so backends leave it to the host.
+pub fn lent(resource: &Resource, done: &str) -> BackendError {
+    BackendError::Refused {
+        what: format!("`{}` cannot be {done}", resource.key),
+        reason: "the host has lent it".into(),
+        remedy: "use it where the host has it".into(),
+    }
+}
+
+/// The error of a step that a backend does not know, because the graph is newer than it.
+pub fn unknown_step(label: &str) -> BackendError {
+    BackendError::Refused {
+        what: format!("the step `{label}`"),
+        reason: "the backend does not know steps of its kind".into(),
+        remedy: "use a backend and a graph that were released together".into(),
+    }
 }

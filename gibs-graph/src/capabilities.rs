@@ -24,6 +24,8 @@ pub struct Capabilities {
     pub uniform_binding: u64,
     /// All memory that there is; `u64::MAX` where nobody says.
     pub memory: u64,
+    /// What only wide CPU kernels see is kept, too, and counts as memory.
+    pub host_data: bool,
     /// Storage buffers of one stage.
     pub storage_buffers: u32,
     /// Uniform buffers of one stage.
@@ -57,6 +59,7 @@ impl Capabilities {
             storage_binding: 128 << 20,
             uniform_binding: 64 << 10,
             memory: u64::MAX,
+            host_data: false,
             storage_buffers: 8,
             uniform_buffers: 12,
             sampled_images: 16,
@@ -76,6 +79,7 @@ impl Capabilities {
             storage_binding: u64::MAX,
             uniform_binding: u64::MAX,
             memory: u64::MAX,
+            host_data: false,
             storage_buffers: u32::MAX,
             uniform_buffers: u32::MAX,
             sampled_images: u32::MAX,
@@ -108,7 +112,7 @@ impl Capabilities {
             check.stage(&step.label, dispatch)?;
         }
         let what = || format!("graph `{}` (bytes of memory in all)", schedule.name);
-        check.allow(what, schedule.bytes(false), self.memory, SMALLER)
+        check.allow(what, schedule.bytes(self.host_data), self.memory, SMALLER)
     }
 }
 

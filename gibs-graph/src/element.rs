@@ -16,6 +16,7 @@ pub trait Element: Pod + Send + Sync + 'static {
 
 /// Layout of a type that host and device share. Sizes and offsets are in bytes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub enum Layout {
     /// One 32-bit number.
     Scalar(Scalar),
@@ -54,6 +55,7 @@ pub struct Field {
 
 /// 32-bit scalar types, all that WebGPU guarantees in storage buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub enum Scalar {
     /// `f32`.
     F32,

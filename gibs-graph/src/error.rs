@@ -110,6 +110,48 @@ pub enum GraphError {
         /// Bytes of an element.
         want: u32,
     },
+    /// A stage reads the value of the frame before of something that has none.
+    #[error(
+        "stage `{stage}`, port `{port}` reads what `{resource}` held in the frame before, but it is no history; declare it with Graph::history, or bind it as read"
+    )]
+    NoHistory {
+        /// Stage.
+        stage: String,
+        /// Port.
+        port: String,
+        /// Resource.
+        resource: String,
+    },
+    /// What a stage binds is not what its ports say.
+    #[error(
+        "stage `{stage}`, port `{port}`: its ports and what it binds differ; declare it with stage!, which makes both from one list"
+    )]
+    PortMismatch {
+        /// Stage.
+        stage: String,
+        /// Port.
+        port: String,
+    },
+    /// A stage has more invocations than kernels can number.
+    #[error(
+        "stage `{stage}` asks for {count} invocations; kernels number them in 32 bits, those that fill up the last row of workgroups included; have each do several elements, or split the stage"
+    )]
+    Invocations {
+        /// Stage.
+        stage: String,
+        /// Invocations.
+        count: u64,
+    },
+    /// A workgroup has no invocations, or more than WebGPU guarantees.
+    #[error(
+        "stage `{stage}` has workgroups of {size:?} invocations; give it at least 1 along each axis, at most 64 along z and 256 in all"
+    )]
+    WorkgroupSize {
+        /// Stage.
+        stage: String,
+        /// Invocations along each axis.
+        size: [u32; 3],
+    },
     /// A fixed dispatch is beyond what WebGPU guarantees, or its workgroups cannot be numbered in 32 bits.
     #[error("stage `{stage}` asks for {groups:?} workgroups; at most {max} along each axis and 2^32 - 1 in all; use Dispatch::Elements, which folds them, or larger workgroups", max = crate::MAX_GROUPS)]
     DispatchSize {

@@ -1,5 +1,5 @@
 //! A schedule as DOT, JSON and text.
-use crate::schedule::{Action, DispatchSize};
+use crate::step::{Action, DispatchSize};
 use crate::{Access, Schedule};
 use std::collections::HashMap;
 use std::fmt::Write;

@@ -1,17 +1,16 @@
 //! Recording a frame: resources and stages.
 use crate::handle::GraphToken;
 use crate::{
-    Access, Buffer, DispatchArgs, Element, GraphError, Image, ImageShape, Initial, KernelSource,
-    Kind, Layout, Port, Previous, Sampled, Stage, State, Stored, Texel,
+    Access, Buffer, DispatchArgs, Element, GraphError, Image, ImageShape, KernelSource, Kind,
+    Layout, Port, Recorder, Stage, State, Texel,
 };
-use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A frame as it is recorded: resources, and stages that make versions of them.
 #[derive(Debug)]
 pub struct Graph {
     pub(crate) name: String,
-    token: GraphToken,
+    pub(crate) token: GraphToken,
     pub(crate) resources: Vec<ResourceDecl>,
     pub(crate) stages: Vec<StageDecl>,
     pub(crate) outputs: Vec<OutputDecl>,
@@ -44,6 +43,8 @@ pub(crate) struct StageDecl {
     pub kernel: KernelSource,
     pub bindings: Vec<BindingDecl>,
     pub dispatch: DispatchDecl,
+    /// A handle of another graph was passed, which leaves its port unbound.
+    pub foreign: bool,
 }
 
 /// One port bound to one version.
@@ -59,6 +60,7 @@ pub(crate) struct BindingDecl {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum DispatchDecl {
     Groups([u32; 3]),
+    Elements(u64),
     Indirect { resource: u32 },
 }
 
@@ -71,10 +73,13 @@ pub(crate) struct OutputDecl {
 
 /// How many workgroups run.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Dispatch<'g> {
     /// A fixed number along each axis.
     Groups([u32; 3]),
-    /// As many as this number of invocations needs, folded into two axes where one is too short.
+    /// As many as this number of invocations needs, folded into two axes where one is too short. Kernels number
+    /// invocations in 32 bits, those beyond the count that fill up the last row of workgroups included; compiling the
+    /// graph refuses more.
     Elements(u64),
     /// What the device finds in the first element when the stage starts.
     Indirect(&'g Buffer<DispatchArgs>),
@@ -82,6 +87,23 @@ pub enum Dispatch<'g> {
 
 /// Most workgroups along one axis that WebGPU guarantees.
 pub const MAX_GROUPS: u32 = 65_535;
+
+impl StageDecl {
+    /// Workgroups along each axis, where the host knows them.
+    pub fn groups(&self) -> Option<[u32; 3]> {
+        match self.dispatch {
+            DispatchDecl::Groups(groups) => Some(groups),
+            DispatchDecl::Elements(count) => Some(groups_for(count, self.lanes())),
+            DispatchDecl::Indirect { .. } => None,
+        }
+    }
+
+    /// Invocations per workgroup.
+    pub fn lanes(&self) -> u32 {
+        let sides = self.kernel.workgroup.iter();
+        sides.fold(1, |product: u32, &side| product.saturating_mul(side))
+    }
+}
 
 impl Graph {
     /// An empty frame.
@@ -102,75 +124,6 @@ impl Graph {
     /// read everything. Otherwise transients share memory where their lifetimes do not meet.
     pub fn keep_transients(&mut self) {
         self.shares = false;
-    }
-
-    /// A buffer that the host writes between frames and stages only read. Its content stays until it is written
-    /// again, also across schedules, as long as key, type and length agree.
-    pub fn input<T: Element>(&mut self, key: &str, len: u64) -> Buffer<T> {
-        self.declare(key, Kind::Input, len)
-    }
-
-    /// An image that the host provides and stages only read. Without one from the host, a backend makes its own, which
-    /// is written as an input is, one value per texel.
-    pub fn import_image<T: Sampled>(&mut self, key: &str, size: [u32; 2]) -> Image<T> {
-        self.declare_image(key, Kind::Input, size)
-    }
-
-    /// An image that a stage writes for the host, who may provide it; undefined at the start of the frame. Pass its
-    /// last version to [`Graph::output_image`].
-    pub fn export_image<T: Stored>(&mut self, key: &str, size: [u32; 2]) -> Image<T> {
-        self.declare_image(key, Kind::Transient, size)
-    }
-
-    /// A buffer that lives within the frame, undefined at its start.
-    pub fn transient<T: Element>(&mut self, name: &str, len: u64) -> Buffer<T> {
-        self.declare(name, Kind::Transient, len)
-    }
-
-    /// A buffer that lives within the frame, zero at its start.
-    pub fn zeroed<T: Element>(&mut self, name: &str, len: u64) -> Buffer<T> {
-        self.declare(name, Kind::Zeroed, len)
-    }
-
-    /// A buffer that outlives the frame and changes in place. [`Graph::keep`] names its last version.
-    pub fn state<T: Element>(
-        &mut self,
-        key: &str,
-        len: u64,
-        initial: Initial,
-    ) -> (State<T>, Buffer<T>) {
-        let buffer = self.declare(key, Kind::State(initial), len);
-        (
-            State {
-                token: self.token,
-                resource: buffer.resource,
-                element: PhantomData,
-            },
-            buffer,
-        )
-    }
-
-    /// A buffer that outlives the frame, with the value of the frame before beside the new one. The new one starts
-    /// undefined.
-    pub fn history<T: Element>(
-        &mut self,
-        key: &str,
-        len: u64,
-        initial: Initial,
-    ) -> (State<T>, Previous<T>, Buffer<T>) {
-        let buffer = self.declare(key, Kind::History(initial), len);
-        let state = State {
-            token: self.token,
-            resource: buffer.resource,
-            element: PhantomData,
-        };
-        let previous = Previous {
-            token: self.token,
-            resource: buffer.resource,
-            len,
-            element: PhantomData,
-        };
-        (state, previous, buffer)
     }
 
     /// Makes `last` what the next frame starts from.
@@ -232,31 +185,23 @@ impl Graph {
         dispatch: Dispatch<'_>,
     ) -> S::Outputs {
         let kernel = S::kernel();
-        let token = self.token;
+        let errors_before = self.errors.len();
         let mut bindings = Vec::new();
+        let mut recorder = Recorder {
+            token: self.token,
+            stage: label,
+            bindings: &mut bindings,
+            errors: &mut self.errors,
+        };
         let dispatch = match dispatch {
             Dispatch::Groups(groups) => DispatchDecl::Groups(groups),
-            Dispatch::Elements(count) => {
-                DispatchDecl::Groups(groups_for(count, kernel.workgroup.iter().product()))
-            }
+            Dispatch::Elements(count) => DispatchDecl::Elements(count),
             Dispatch::Indirect(args) => {
-                let mut recorder = Recorder {
-                    token,
-                    stage: label,
-                    bindings: &mut bindings,
-                    errors: &mut self.errors,
-                };
-                recorder.read(args, "(indirect)", Access::Indirect);
+                recorder.indirect(args);
                 DispatchDecl::Indirect {
                     resource: args.resource,
                 }
             }
-        };
-        let mut recorder = Recorder {
-            token,
-            stage: label,
-            bindings: &mut bindings,
-            errors: &mut self.errors,
         };
         let outputs = S::bind(&mut recorder, inputs);
         let declared = S::ports().into_iter().enumerate();
@@ -270,53 +215,9 @@ impl Graph {
             kernel,
             bindings,
             dispatch,
+            foreign: self.errors.len() > errors_before,
         });
         outputs
-    }
-
-    fn declare<T: Element>(&mut self, key: &str, kind: Kind, len: u64) -> Buffer<T> {
-        const { assert!(size_of::<T>() > 0, "an element of a buffer has bytes") };
-        let resource = self.resources.len() as u32;
-        self.resources.push(ResourceDecl {
-            key: key.into(),
-            kind,
-            element: T::layout(),
-            len: len.max(1),
-            image: None,
-            kept: None,
-        });
-        Buffer {
-            token: self.token,
-            resource,
-            version: 0,
-            len: len.max(1),
-            element: PhantomData,
-        }
-    }
-}
-
-impl Graph {
-    fn declare_image<T: Texel>(&mut self, key: &str, kind: Kind, size: [u32; 2]) -> Image<T> {
-        let size = size.map(|side| side.max(1));
-        let resource = self.resources.len() as u32;
-        self.resources.push(ResourceDecl {
-            key: key.into(),
-            kind,
-            element: T::FORMAT.value(),
-            len: u64::from(size[0]) * u64::from(size[1]),
-            image: Some(ImageShape {
-                format: T::FORMAT,
-                size,
-            }),
-            kept: None,
-        });
-        Image {
-            token: self.token,
-            resource,
-            version: 0,
-            size,
-            texel: PhantomData,
-        }
     }
 }
 
@@ -330,38 +231,5 @@ pub fn groups_for(count: u64, lanes: u32) -> [u32; 3] {
     } else {
         let rows = groups.div_ceil(u64::from(MAX_GROUPS));
         [MAX_GROUPS, u32::try_from(rows).unwrap_or(u32::MAX), 1]
-    }
-}
-
-/// Collects the bindings of a stage while it is added.
-pub struct Recorder<'r> {
-    token: GraphToken,
-    stage: &'r str,
-    bindings: &'r mut Vec<BindingDecl>,
-    errors: &'r mut Vec<GraphError>,
-}
-
-impl Recorder<'_> {
-    pub(crate) fn bind(
-        &mut self,
-        token: GraphToken,
-        resource: u32,
-        version: Option<u32>,
-        port: &'static str,
-        access: Access,
-    ) {
-        if token == self.token {
-            self.bindings.push(BindingDecl {
-                port,
-                resource,
-                version,
-                access,
-            });
-        } else {
-            self.errors.push(GraphError::ForeignHandle {
-                stage: self.stage.into(),
-                port: port.into(),
-            });
-        }
     }
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// What a resource is for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub enum Kind {
     /// Written by the host between frames; keeps its content.
     Input,
@@ -35,6 +36,7 @@ impl Kind {
 
 /// Content of a state before the first frame and after a reset.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub enum Initial {
     /// All bytes zero.
     Zero,

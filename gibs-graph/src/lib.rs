@@ -12,6 +12,7 @@
 mod backend;
 mod capabilities;
 mod compile;
+mod declare;
 mod element;
 mod error;
 mod export;
@@ -22,31 +23,34 @@ mod kernel;
 mod kind;
 mod null;
 mod port;
+mod recorder;
 mod schedule;
 mod shader;
 mod stage;
+mod stage_words;
+mod step;
 mod texel;
 mod view;
 
 pub use backend::{
     Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range, check_step,
+    lent, unknown_step,
 };
 pub use capabilities::Capabilities;
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
-pub use graph::{Dispatch, Graph, MAX_GROUPS, Recorder, groups_for};
+pub use graph::{Dispatch, Graph, MAX_GROUPS, groups_for};
 pub use handle::{Buffer, Image, Previous, State};
 pub use image_view::{ImageStore, ImageView};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
 pub use kind::{Initial, Kind};
 pub use null::NullBackend;
 pub use port::{Access, Port};
-pub use schedule::{
-    Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, ImageShape, Output, Resource,
-    ResourceId, Schedule, Step, Usage, features,
-};
+pub use recorder::Recorder;
+pub use schedule::{ImageShape, Output, Resource, ResourceId, Schedule, Usage};
 pub use shader::ShaderCompiler;
 pub use stage::{Stage, next_view};
+pub use step::{Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Step, features};
 pub use texel::{
     Float, ImageFormat, Rgba8Unorm, Rgba16Float, Rgba32Float, Sampled, Stored, Texel, Uint,
 };

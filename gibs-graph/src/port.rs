@@ -4,6 +4,7 @@ use serde::Serialize;
 
 /// One port of a stage. Everything else about the binding follows from it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Port {
     /// Name, also that of the WGSL global.
     pub name: &'static str,
@@ -19,6 +20,7 @@ pub struct Port {
 
 /// How a stage touches a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[non_exhaustive]
 pub enum Access {
     /// First element, through `var<uniform>`.
     Uniform,
@@ -41,6 +43,25 @@ pub enum Access {
     Stored,
     /// Sizes of an indirect dispatch; not a binding.
     Indirect,
+}
+
+impl Port {
+    /// A port; [`stage!`](crate::stage!) makes them.
+    pub fn new(
+        name: &'static str,
+        access: Access,
+        element: Layout,
+        image: Option<ImageFormat>,
+        optional: bool,
+    ) -> Self {
+        Self {
+            name,
+            access,
+            element,
+            image,
+            optional,
+        }
+    }
 }
 
 impl Access {

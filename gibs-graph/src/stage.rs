@@ -1,9 +1,8 @@
 //! Stages: ports declared once, from which everything else follows.
-use crate::{
-    Access, Buffer, Element, Image, KernelSource, Port, Previous, Recorder, Sampled, Stored,
-};
+use crate::{KernelSource, Port, Recorder};
 
-/// A kind of stage. Implemented by [`stage!`](crate::stage!), never by hand.
+/// A kind of stage. Implemented by [`stage!`](crate::stage!), never by hand: what it takes beyond the documented items
+/// may change at any time. Compiling a graph refuses a stage that binds something else than its ports.
 pub trait Stage {
     /// One handle per port: borrowed where the stage reads, owned where it writes.
     type Inputs<'g>;
@@ -20,6 +19,7 @@ pub trait Stage {
     fn kernel() -> KernelSource;
 
     /// Binds handles to ports.
+    #[doc(hidden)]
     fn bind(recorder: &mut Recorder<'_>, inputs: Self::Inputs<'_>) -> Self::Outputs;
 }
 
@@ -73,6 +73,26 @@ pub trait Stage {
 /// assert_eq!(schedule.steps.len(), 1);
 /// # }
 /// ```
+///
+/// Any other access word does not compile:
+///
+/// ```compile_fail
+/// use gibs_graph::{stage, WgslSource, Workgroup};
+///
+/// stage! {
+///     /// Misspells `read`.
+///     pub stage Double {
+///         wgsl: WgslSource { name: "double", text: "", modules: &[], features: &[] },
+///         workgroup: [64, 1, 1],
+///         ports: { reed source: u32, write target_: u32 },
+///         cpu: kernel,
+///         wide: None,
+///     }
+/// }
+///
+/// fn kernel(_: &Views<'_>, _: Workgroup) {}
+/// # fn main() {}
+/// ```
 #[macro_export]
 macro_rules! stage {
     (
@@ -85,6 +105,8 @@ macro_rules! stage {
             wide: $wide:expr $(,)?
         }
     ) => {
+        $($crate::__stage_word!($access);)*
+
         $(#[$meta])*
         #[derive(Clone, Copy, Debug)]
         pub struct $name;
@@ -120,13 +142,13 @@ macro_rules! stage {
             const NAME: &'static str = stringify!($name);
 
             fn ports() -> Vec<$crate::Port> {
-                vec![$($crate::Port {
-                    name: stringify!($port),
-                    access: $crate::__stage_access!($access),
-                    element: $crate::__stage_element!($access $ty),
-                    image: $crate::__stage_image!($access $ty),
-                    optional: $crate::__stage_optional!($access),
-                },)*]
+                vec![$($crate::Port::new(
+                    stringify!($port),
+                    $crate::__stage_access!($access),
+                    $crate::__stage_element!($access $ty),
+                    $crate::__stage_image!($access $ty),
+                    $crate::__stage_optional!($access),
+                ),)*]
             }
 
             fn kernel() -> $crate::KernelSource {
@@ -158,244 +180,6 @@ macro_rules! stage {
     };
 }
 
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_input {
-    ($g:lifetime uniform $ty:ty) => { &$g $crate::Buffer<$ty> };
-    ($g:lifetime read $ty:ty) => { &$g $crate::Buffer<$ty> };
-    ($g:lifetime host_only $ty:ty) => { &$g $crate::Buffer<$ty> };
-    ($g:lifetime previous $ty:ty) => { &$g $crate::Previous<$ty> };
-    ($g:lifetime write $ty:ty) => { $crate::Buffer<$ty> };
-    ($g:lifetime read_write $ty:ty) => { $crate::Buffer<$ty> };
-    ($g:lifetime atomic $ty:ty) => { $crate::Buffer<$ty> };
-    ($g:lifetime sampled $ty:ty) => { &$g $crate::Image<$ty> };
-    ($g:lifetime stored $ty:ty) => { $crate::Image<$ty> };
-    ($g:lifetime optional_read $ty:ty) => { Option<&$g $crate::Buffer<$ty>> };
-    ($g:lifetime optional_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
-    ($g:lifetime optional_read_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_view {
-    ($a:lifetime uniform $ty:ty) => { &$a $ty };
-    ($a:lifetime read $ty:ty) => { $crate::ReadView<$a, $ty> };
-    ($a:lifetime host_only $ty:ty) => { $crate::ReadView<$a, $ty> };
-    ($a:lifetime previous $ty:ty) => { $crate::ReadView<$a, $ty> };
-    ($a:lifetime write $ty:ty) => { $crate::WriteView<$a, $ty> };
-    ($a:lifetime read_write $ty:ty) => { $crate::WriteView<$a, $ty> };
-    ($a:lifetime atomic $ty:ty) => { $crate::AtomicView<$a> };
-    ($a:lifetime sampled $ty:ty) => { $crate::ImageView<$a, $ty> };
-    ($a:lifetime stored $ty:ty) => { $crate::ImageStore<$a, $ty> };
-    ($a:lifetime optional_read $ty:ty) => { $crate::ReadView<$a, $ty> };
-    ($a:lifetime optional_write $ty:ty) => { $crate::WriteView<$a, $ty> };
-    ($a:lifetime optional_read_write $ty:ty) => { $crate::WriteView<$a, $ty> };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_access {
-    (uniform) => {
-        $crate::Access::Uniform
-    };
-    (read) => {
-        $crate::Access::Read
-    };
-    (host_only) => {
-        $crate::Access::HostOnly
-    };
-    (previous) => {
-        $crate::Access::Previous
-    };
-    (write) => {
-        $crate::Access::Write
-    };
-    (read_write) => {
-        $crate::Access::ReadWrite
-    };
-    (atomic) => {
-        $crate::Access::Atomic
-    };
-    (sampled) => {
-        $crate::Access::Sampled
-    };
-    (stored) => {
-        $crate::Access::Stored
-    };
-    (optional_read) => {
-        $crate::Access::Read
-    };
-    (optional_write) => {
-        $crate::Access::Write
-    };
-    (optional_read_write) => {
-        $crate::Access::ReadWrite
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_optional {
-    (optional_read) => {
-        true
-    };
-    (optional_write) => {
-        true
-    };
-    (optional_read_write) => {
-        true
-    };
-    ($access:ident) => {
-        false
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_element {
-    (sampled $ty:ty) => {
-        <$ty as $crate::Texel>::FORMAT.value()
-    };
-    (stored $ty:ty) => {
-        <$ty as $crate::Texel>::FORMAT.value()
-    };
-    ($access:ident $ty:ty) => {
-        <$ty as $crate::Element>::layout()
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_image {
-    (sampled $ty:ty) => {
-        Some(<$ty as $crate::Texel>::FORMAT)
-    };
-    (stored $ty:ty) => {
-        Some(<$ty as $crate::Texel>::FORMAT)
-    };
-    ($access:ident $ty:ty) => {
-        None
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_bind_view {
-    (uniform $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        &$crate::ReadView::<$ty>::of($crate::next_view(&mut $next, stringify!($port))).slice()[0]
-    };
-    (write $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
-    };
-    (read_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
-    };
-    (optional_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
-    };
-    (optional_read_write $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::WriteView::of($crate::next_view(&mut $next, stringify!($port)), $group)
-    };
-    (atomic $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::AtomicView::of($crate::next_view(&mut $next, stringify!($port)))
-    };
-    (sampled $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::ImageView::of($crate::next_view(&mut $next, stringify!($port)))
-    };
-    (stored $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::ImageStore::of($crate::next_view(&mut $next, stringify!($port)), $group)
-    };
-    ($access:ident $ty:ty, $next:ident, $group:ident, $port:ident) => {
-        $crate::ReadView::of($crate::next_view(&mut $next, stringify!($port)))
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_record {
-    (write $r:ident, $handle:expr, $port:expr) => {
-        $r.write($handle, $port, $crate::Access::Write)
-    };
-    (read_write $r:ident, $handle:expr, $port:expr) => {
-        $r.write($handle, $port, $crate::Access::ReadWrite)
-    };
-    (atomic $r:ident, $handle:expr, $port:expr) => {
-        $r.write($handle, $port, $crate::Access::Atomic)
-    };
-    (optional_read $r:ident, $handle:expr, $port:expr) => {
-        if let Some(handle) = $handle {
-            $r.read(handle, $port, $crate::Access::Read)
-        }
-    };
-    (optional_write $r:ident, $handle:expr, $port:expr) => {
-        $handle.map(|handle| $r.write(handle, $port, $crate::Access::Write))
-    };
-    (optional_read_write $r:ident, $handle:expr, $port:expr) => {
-        $handle.map(|handle| $r.write(handle, $port, $crate::Access::ReadWrite))
-    };
-    (previous $r:ident, $handle:expr, $port:expr) => {
-        $r.previous($handle, $port)
-    };
-    (sampled $r:ident, $handle:expr, $port:expr) => {
-        $r.sample($handle, $port)
-    };
-    (stored $r:ident, $handle:expr, $port:expr) => {
-        $r.store($handle, $port)
-    };
-    ($access:ident $r:ident, $handle:expr, $port:expr) => {
-        $r.read($handle, $port, $crate::__stage_access!($access))
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_outputs {
-    ($name:ident [$($out:ident $oty:tt,)*] write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] read_write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] optional_write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port (Option<$crate::Buffer<$ty>>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] optional_read_write $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port (Option<$crate::Buffer<$ty>>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] stored $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Image<$ty>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] atomic $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)* $port ($crate::Buffer<$ty>),] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*] $access:ident $port:ident : $ty:ty, $($rest:tt)*) => {
-        $crate::__stage_outputs!($name [$($out $oty,)*] $($rest)*);
-    };
-    ($name:ident [$($out:ident $oty:tt,)*]) => {
-        #[doc = concat!("Versions that [`", stringify!($name), "`] makes.")]
-        #[allow(missing_docs)]
-        pub struct Outputs {
-            $(pub $out: $oty,)*
-        }
-    };
-}
-
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __stage_result {
-    ([$($out:ident,)*] write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] read_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] optional_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] optional_read_write $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] atomic $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] stored $port:ident, $($rest:tt)*) => { $crate::__stage_result!([$($out,)* $port,] $($rest)*) };
-    ([$($out:ident,)*] $access:ident $port:ident, $($rest:tt)*) => {{
-        let () = $port;
-        $crate::__stage_result!([$($out,)*] $($rest)*)
-    }};
-    ([$($out:ident,)*]) => { Outputs { $($out,)* } };
-}
-
 /// The next binding of a kernel; the executor passes exactly one per declared port.
 #[doc(hidden)]
 pub fn next_view<'a>(
@@ -405,68 +189,4 @@ pub fn next_view<'a>(
     views
         .next()
         .unwrap_or_else(|| panic!("the executor passed no binding for port {port}"))
-}
-
-impl Recorder<'_> {
-    /// Binds a port that reads.
-    pub fn read<T: Element>(&mut self, handle: &Buffer<T>, port: &'static str, access: Access) {
-        self.bind(
-            handle.token,
-            handle.resource,
-            Some(handle.version),
-            port,
-            access,
-        );
-    }
-
-    /// Binds a port that reads the value of the frame before.
-    pub fn previous<T: Element>(&mut self, handle: &Previous<T>, port: &'static str) {
-        self.bind(handle.token, handle.resource, None, port, Access::Previous);
-    }
-
-    /// Binds a port that writes, and gives the version that it makes.
-    pub fn write<T: Element>(
-        &mut self,
-        handle: Buffer<T>,
-        port: &'static str,
-        access: Access,
-    ) -> Buffer<T> {
-        self.bind(
-            handle.token,
-            handle.resource,
-            Some(handle.version),
-            port,
-            access,
-        );
-        Buffer {
-            version: handle.version + 1,
-            ..handle
-        }
-    }
-
-    /// Binds an image that is read.
-    pub fn sample<T: Sampled>(&mut self, image: &Image<T>, port: &'static str) {
-        self.bind(
-            image.token,
-            image.resource,
-            Some(image.version),
-            port,
-            Access::Sampled,
-        );
-    }
-
-    /// Binds an image that is written, and gives the version that it makes.
-    pub fn store<T: Stored>(&mut self, image: Image<T>, port: &'static str) -> Image<T> {
-        self.bind(
-            image.token,
-            image.resource,
-            Some(image.version),
-            port,
-            Access::Stored,
-        );
-        Image {
-            version: image.version + 1,
-            ..image
-        }
-    }
 }

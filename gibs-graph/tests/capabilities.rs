@@ -123,3 +123,45 @@ fn one_less_of_anything_is_named() {
         );
     }
 }
+
+mod hosted {
+    use gibs_graph::{Workgroup, stage};
+
+    stage! {
+        /// Has data for wide CPU kernels.
+        pub stage Hosted {
+            wgsl: gibs_graph::WgslSource { name: "hosted", text: "", modules: &[], features: &[] },
+            workgroup: [64, 1, 1],
+            ports: { host_only tree: [u32; 4], write target_: u32 },
+            cpu: kernel,
+            wide: None,
+        }
+    }
+
+    fn kernel(_: &Views<'_>, _: Workgroup) {}
+}
+
+/// Nothing is allocated, so the numbers may be as large as they like.
+#[test]
+fn what_only_hosts_see_counts_where_it_is_kept() {
+    let mut g = Graph::new("hosted");
+    let tree = g.input("tree", 1 << 40);
+    let target_ = g.transient("target", 1 << 10);
+    let inputs = hosted::Inputs {
+        tree: &tree,
+        target_,
+    };
+    let out = g.add::<hosted::Hosted>("hosted", inputs, Dispatch::Elements(1 << 10));
+    g.output("target", &out.target_);
+    let schedule = g.compile(None).unwrap();
+    let mut limits = Capabilities::unlimited();
+    limits.memory = 4 << 10;
+    limits.check("test", &schedule).unwrap();
+    limits.host_data = true;
+    let error = limits.check("test", &schedule).unwrap_err().to_string();
+    let need = (16_u64 << 40) + (4 << 10);
+    let want = format!("graph `hosted` (bytes of memory in all) needs {need}, ");
+    assert!(error.starts_with(&want), "{error}");
+    limits.memory = need;
+    limits.check("test", &schedule).unwrap();
+}

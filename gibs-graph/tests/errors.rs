@@ -1,10 +1,12 @@
-//! What a graph that cannot be compiled says. Two errors, of ports that alias and of circles, cannot be reached through
+//! What a graph that cannot be compiled says. Three errors, of ports that alias, of
+//! the frame before of what is no history, and of circles, cannot be reached through
 //! handles; they are tested beside the code that finds them.
 mod common;
 
 use common::*;
 use gibs_graph::{
-    Buffer, Dispatch, Graph, GraphError, Initial, KernelSource, MAX_GROUPS, Port, ShaderCompiler,
+    Access, Buffer, Dispatch, Element, Graph, GraphError, Initial, KernelSource, MAX_GROUPS, Port,
+    Recorder, ShaderCompiler, Stage,
 };
 
 /// The messages of a graph that does not compile.
@@ -257,11 +259,116 @@ fn too_many_workgroups() {
     // Short enough along each axis, but the last workgroups have no number.
     assert!(compile(Dispatch::Groups([MAX_GROUPS, MAX_GROUPS, 2])).is_err());
     assert!(compile(Dispatch::Groups([MAX_GROUPS, MAX_GROUPS, 1])).is_ok());
-    // Folded, and too many to fold.
-    let most = u64::from(MAX_GROUPS) * u64::from(MAX_GROUPS) * 64;
+    // Folded, and more invocations than 32 bits number, those that fill the last row included.
+    let most = u64::from(MAX_GROUPS) * 1024 * 64;
     assert!(compile(Dispatch::Elements(most)).is_ok());
-    assert!(compile(Dispatch::Elements(most + 1)).is_err());
-    assert!(compile(Dispatch::Elements(u64::MAX)).is_err());
+    for count in [most + 1, u32::MAX.into(), 1 << 32, 1 << 33, u64::MAX] {
+        let errors = compile(Dispatch::Elements(count)).unwrap_err();
+        let want = format!(
+            "stage `fill` asks for {count} invocations; kernels number them in 32 bits, those that fill up the last row \
+             of workgroups included; have each do several elements, or split the stage"
+        );
+        assert_eq!(errors[0].to_string(), want);
+        assert_eq!(errors.len(), 1);
+    }
+}
+
+mod sized {
+    use gibs_graph::{Dispatch, Graph, GraphErrors, Schedule, Workgroup, stage};
+
+    macro_rules! sizes {
+        ($($module:ident $size:expr;)*) => {
+            $(mod $module {
+                use super::*;
+
+                stage! {
+                    /// Has workgroups of an odd size.
+                    pub stage Sized {
+                        wgsl: super::super::NO_KERNEL,
+                        workgroup: $size,
+                        ports: { read source: u32, write target: u32 },
+                        cpu: kernel,
+                        wide: None,
+                    }
+                }
+
+                fn kernel(_: &Views<'_>, _: Workgroup) {}
+
+                pub fn compile() -> Result<Schedule, GraphErrors> {
+                    let mut g = Graph::new("test");
+                    let source = g.input("source", 4);
+                    let target = g.transient("target", 4);
+                    let inputs = Inputs { source: &source, target };
+                    let made = g.add::<Sized>("fill", inputs, Dispatch::Elements(4));
+                    g.output("result", &made.target);
+                    g.compile(None)
+                }
+            })*
+
+            pub fn all() -> Vec<([u32; 3], Result<Schedule, GraphErrors>)> {
+                vec![$(($size, $module::compile()),)*]
+            }
+        };
+    }
+
+    sizes! {
+        flat [256, 1, 1];
+        solid [2, 2, 64];
+        none [64, 0, 1];
+        large [257, 1, 1];
+        deep [1, 1, 65];
+        overflowing [1 << 16, 1 << 16, 1 << 16];
+    }
+}
+
+#[test]
+fn workgroups_that_webgpu_does_not_guarantee() {
+    for (size, compiled) in sized::all() {
+        let fits = [[256, 1, 1], [2, 2, 64]].contains(&size);
+        let said = compiled.map(drop).map_err(|errors| errors.to_string());
+        let want = format!(
+            "the graph `test` cannot be compiled:\n  - stage `fill` has workgroups of {size:?} invocations; give it at \
+             least 1 along each axis, at most 64 along z and 256 in all"
+        );
+        assert_eq!(said, if fits { Ok(()) } else { Err(want) });
+    }
+}
+
+/// Written by hand: says that it reads what it writes, and takes a second port that it never binds.
+struct Forged;
+
+impl Stage for Forged {
+    type Inputs<'g> = Buffer<u32>;
+    type Outputs = Buffer<u32>;
+    const NAME: &'static str = "Forged";
+
+    fn ports() -> Vec<Port> {
+        let port = |name| Port::new(name, Access::Read, u32::layout(), None, false);
+        vec![port("target"), port("other")]
+    }
+
+    fn kernel() -> KernelSource {
+        pass::Pass::kernel()
+    }
+
+    fn bind(recorder: &mut Recorder<'_>, target: Buffer<u32>) -> Buffer<u32> {
+        recorder.write(target, "target")
+    }
+}
+
+#[test]
+fn a_stage_that_binds_something_else_than_its_ports() {
+    let mut g = Graph::new("test");
+    let target = g.transient("target", LEN);
+    let made = g.add::<Forged>("forged", target, all());
+    g.output("result", &made);
+    let want = |port: &str| {
+        format!(
+            "stage `forged`, port `{port}`: its ports and what it binds differ; declare it with stage!, which makes both \
+             from one list"
+        )
+    };
+    assert_eq!(messages(g), [want("target"), want("other")]);
 }
 
 #[test]

@@ -87,9 +87,9 @@ fn what_is_out_of_range_is_refused_and_changes_nothing() {
     }
     exec.upload(source, end, &[]).unwrap();
     assert_eq!(read(&mut *exec, "source"), [0; LEN as usize]);
-    let range = |error| matches!(error, BackendError::Range { .. });
-    assert!(exec.upload(1000, 0, &[]).is_err_and(range));
-    assert!(exec.read(1000).is_err_and(range));
+    let refused = |error| matches!(error, BackendError::Refused { .. });
+    assert!(exec.upload(1000, 0, &[]).is_err_and(refused));
+    assert!(exec.read(1000).is_err_and(refused));
     let steps = exec.schedule().steps.len();
     exec.run_step(steps - 1).unwrap();
     assert!(matches!(

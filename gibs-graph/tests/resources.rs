@@ -44,39 +44,23 @@ fn usage_is_what_live_stages_do() {
     g.output("source", &source);
     let schedule = compiled(g);
     let usage = |key: &str| schedule.resources[schedule.resource(key).unwrap() as usize].usage;
-    let none = Usage::default();
-    assert_eq!(
-        usage("args"),
-        Usage {
-            uniform: true,
-            indirect: true,
-            ..none
-        }
-    );
-    assert_eq!(usage("tree"), Usage { host: true, ..none });
-    assert_eq!(
-        usage("read by both"),
-        Usage {
-            host: true,
-            storage: true,
-            ..none
-        }
-    );
-    assert_eq!(
-        usage("target"),
-        Usage {
-            storage: true,
-            ..none
-        }
-    );
+    let flags = |key: &str| {
+        let Usage {
+            uniform,
+            storage,
+            indirect,
+            image,
+            host,
+            ..
+        } = usage(key);
+        [uniform, storage, indirect, image, host]
+    };
+    assert_eq!(flags("args"), [true, false, true, false, false]);
+    assert_eq!(flags("tree"), [false, false, false, false, true]);
+    assert_eq!(flags("read by both"), [false, true, false, false, true]);
+    assert_eq!(flags("target"), [false, true, false, false, false]);
     // An output that no stage touches is there all the same.
-    assert_eq!(
-        usage("source"),
-        Usage {
-            storage: true,
-            ..none
-        }
-    );
+    assert_eq!(flags("source"), [false, true, false, false, false]);
     assert!(!usage("tree").on_device());
     assert!(
         ["args", "read by both", "target"]

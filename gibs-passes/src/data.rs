@@ -157,8 +157,8 @@ element! {
         continuations: u32,
         /// Side of the tiles in each of which a surfel may be born in a frame, texels: 4, 8 or 16.
         tile: u32,
-        /// Zero.
-        pad0: u32,
+        /// 1 where the variance of surfels decides about their rays.
+        steered: u32,
         /// Zero.
         pad1: u32,
         /// Zero.
@@ -363,6 +363,14 @@ element! {
         density: f32,
     }
 
+    /// The guide of a surfel (GIBS, "Ray Guiding"): 6x6 bytes of relative luminance over its hemisphere.
+    pub struct SurfelGuide {
+        /// Four texels each, row by row, the first in the lowest byte.
+        texels: [u32; 9],
+        /// Luminance of one step, the upper half of an `f32`, in bits 16-31; rays learned from in bits 0-15.
+        scale: u32,
+    }
+
     /// A pixel of the reference: its path, and the sum of the finished ones.
     pub struct ReferencePath {
         /// Turns irradiance at the path's vertex into irradiance at the pixel.
@@ -407,22 +415,120 @@ impl SurfelDepth {
     };
 }
 
+/// What cannot be said of an engine's G-buffer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HostGbufferError {
+    /// There is no such near plane.
+    #[error("the near plane is at {near} m; give a finite distance above zero")]
+    Near {
+        /// Its distance, metres.
+        near: f64,
+    },
+    /// There is no such far plane.
+    #[error(
+        "the far plane is at {far} m and the near plane at {near} m; give a far plane beyond the near one, or `None` where there is none"
+    )]
+    Far {
+        /// Distance of the near plane, metres.
+        near: f64,
+        /// Distance of the far plane, metres.
+        far: f64,
+    },
+    /// A field has a value that means nothing.
+    #[error("`{field}` of the G-buffer's description is {value}; it must be {expected}")]
+    Field {
+        /// The field.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What would be right.
+        expected: &'static str,
+    },
+}
+
 impl HostGbuffer {
-    /// Depths of a perspective projection onto `[0, 1]` with these planes, metres: `far` is `None` for one without end,
-    /// `reversed` if near things have the larger depths. Plain normals, no jitter, irradiance at exposure 1.
-    pub fn perspective(near: f64, far: Option<f64>, reversed: bool) -> Self {
+    /// Depths of a perspective projection onto `[0, 1]` with these planes, metres: `far` is `None` or infinite for one
+    /// without end, `reversed` if near things have the larger depths. Plain normals, no jitter, irradiance at exposure 1.
+    ///
+    /// # Errors
+    /// [`HostGbufferError`] for a near plane that is not at a finite distance above zero, and for a far plane that is
+    /// not beyond it: planes are told apart by `f32` numbers in the end.
+    pub fn perspective(
+        near: f64,
+        far: Option<f64>,
+        reversed: bool,
+    ) -> Result<Self, HostGbufferError> {
+        // Below this, and above the other, the device's numbers are none.
+        if !(near >= f64::from(f32::MIN_POSITIVE) && near <= f64::from(f32::MAX)) {
+            return Err(HostGbufferError::Near { near });
+        }
+        let far = far.filter(|&far| far != f64::INFINITY);
+        if let Some(far) = far.filter(|&far| far.is_nan() || far <= near) {
+            return Err(HostGbufferError::Far { near, far });
+        }
         let (scale, offset) = match (far, reversed) {
             (None, true) => (near, 0.0),
             (None, false) => (-near, 1.0),
-            (Some(far), true) => (near * far / (far - near), -near / (far - near)),
-            (Some(far), false) => (-near * far / (far - near), far / (far - near)),
+            // Divided through by `far`, which may be large.
+            (Some(far), true) => (near / (1.0 - near / far), -near / (far - near)),
+            (Some(far), false) => (-near / (1.0 - near / far), far / (far - near)),
         };
-        Self {
+        let host = Self {
             depth_scale: scale as f32,
             depth_offset: offset as f32,
             depth_clear: if reversed { 0.0 } else { 1.0 },
             exposure: 1.0,
             ..Self::default()
+        };
+        match (host.check(), far) {
+            (Err(_), Some(far)) => Err(HostGbufferError::Far { near, far }),
+            (checked, _) => checked.map(|()| host),
         }
+    }
+
+    /// Whether a frame can be read by this description: numbers that are finite, a depth that changes with distance, an
+    /// encoding of normals that there is.
+    ///
+    /// # Errors
+    /// [`HostGbufferError::Field`] names the field, its value and what would be right.
+    pub fn check(&self) -> Result<(), HostGbufferError> {
+        use crate::shared::gbuffer::{NORMALS_OCTAHEDRAL, NORMALS_SIGNED, NORMALS_UNSIGNED};
+        let field = |field, value: String, expected| {
+            Err(HostGbufferError::Field {
+                field,
+                value,
+                expected,
+            })
+        };
+        let scale = self.depth_scale;
+        if !(scale.is_finite() && scale != 0.0) {
+            let expected = "finite and not zero; `HostGbuffer::perspective` makes it of the planes";
+            return field("depth_scale", scale.to_string(), expected);
+        }
+        for (name, value) in [
+            ("depth_offset", self.depth_offset),
+            ("depth_clear", self.depth_clear),
+            ("jitter.x", self.jitter.x),
+            ("jitter.y", self.jitter.y),
+        ] {
+            if !value.is_finite() {
+                return field(name, value.to_string(), "finite");
+            }
+        }
+        for (name, value) in [("depth_step", self.depth_step), ("exposure", self.exposure)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return field(name, value.to_string(), "finite and not negative");
+            }
+        }
+        if ![NORMALS_SIGNED, NORMALS_UNSIGNED, NORMALS_OCTAHEDRAL].contains(&self.normals) {
+            let expected = "one of `NORMALS_SIGNED` (0), `NORMALS_UNSIGNED` (1) and `NORMALS_OCTAHEDRAL` (2) of `shared::gbuffer`";
+            return field("normals", self.normals.to_string(), expected);
+        }
+        if self.radiance > 1 {
+            let expected = "1 to get radiance or 0 to get irradiance";
+            return field("radiance", self.radiance.to_string(), expected);
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 // Where a surfel's rays go: over its cosine lobe, or to points on emissive triangles, weighted by the balance heuristic
 // (Veach 1997, section 9.2.2).
+import package::hash::hash_unit;
 
 /// Share of the rays that go to emitters, in a scene that has some.
 const MIXTURE_TO_EMITTERS: f32 = 1.0 / 3.0;
@@ -14,8 +15,22 @@ fn mixture_goes_to_emitter(index: u32, shift: u32) -> bool {
 
 /// Density of the rays over the lobe at this cosine, 1/sr, with or without emitters to share with.
 fn mixture_lobe_density(cosine: f32, emitters: bool) -> f32 {
+    // One constant, because compilers join two.
+    let scale = select(MIXTURE_FRAC_1_PI, MIXTURE_FRAC_1_PI * (1.0 - MIXTURE_TO_EMITTERS), emitters);
+    return max(cosine, 0.0) * scale;
+}
+
+/// The density of the lobe where `guided` of its rays follow a guide with density `guide` there.
+fn mixture_guided_density(cosine: f32, guide: f32, guided: f32, emitters: bool) -> f32 {
     let share = select(1.0, 1.0 - MIXTURE_TO_EMITTERS, emitters);
-    return max(cosine, 0.0) * MIXTURE_FRAC_1_PI * share;
+    let lobe = max(cosine, 0.0) * MIXTURE_FRAC_1_PI;
+    return (lobe + (guide - lobe) * guided) * share;
+}
+
+/// Whether ray `index` of a frame follows the guide, which `guided` of the rays do, by the sequence of the square root of
+/// two.
+fn mixture_follows_guide(index: u32, shift: u32, guided: f32) -> bool {
+    return hash_unit(index * 0x6a09e667u + shift) < guided;
 }
 
 /// What a sample counts: the cosine lobe's density over that of the mixture.

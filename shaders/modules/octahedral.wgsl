@@ -45,3 +45,12 @@ fn octahedral_hemisphere_encode(d: vec3<f32>) -> vec2<f32> {
     let y = d.y / sum;
     return vec2<f32>((x + y) * 0.5 + 0.5, (x - y) * 0.5 + 0.5);
 }
+
+/// Inverse of `octahedral_hemisphere_encode`.
+fn octahedral_hemisphere_decode(uv: vec2<f32>) -> vec3<f32> {
+    let a = uv.x * 2.0 - 1.0;
+    let b = uv.y * 2.0 - 1.0;
+    let x = (a + b) * 0.5;
+    let y = (a - b) * 0.5;
+    return vector_normalize(vec3<f32>(x, y, 1.0 - abs(x) - abs(y)));
+}

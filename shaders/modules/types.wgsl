@@ -107,7 +107,7 @@ struct SurfelSettings {
     clamp: u32,
     continuations: u32,
     tile: u32,
-    pad0: u32,
+    steered: u32,
     pad1: u32,
     pad2: u32,
 }
@@ -221,6 +221,11 @@ struct Path {
     remaining: u32,
     cosine: f32,
     density: f32,
+}
+
+struct SurfelGuide {
+    texels: array<u32, 9>,
+    scale: u32,
 }
 
 struct ReferencePath {

@@ -1,11 +1,17 @@
 // Rays over each surfel's cosine lobe, from its own shifted low-discrepancy sequence; where the stage binds `emitters`, a
 // share of them to points on those.
-import package::draw::draw_ray;
+import package::draw::{Drawn, draw_ray};
+@if(guides) import package::guide::{guide_density, guide_draw, guide_share, guide_total};
 import package::hash::{hash_hash2, hash_hash3};
 import package::invocation::invocation_index;
 import package::mixture::mixture_goes_to_emitter;
+@if(guides) import package::mixture::{mixture_follows_guide, mixture_guided_density};
 import package::sampling::{sampling_r2, sampling_start};
-import package::types::{Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+@if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
+import package::types::{
+    Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose, SurfelSettings
+};
+@if(guides) import package::types::F32_MAX;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> settings: SurfelSettings;
@@ -14,8 +20,90 @@ import package::types::{Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance
 @group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(5) var<storage, read> offsets: array<u32>;
 @if(emitters) @group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
-@group(0) @binding(7) var<storage, read_write> rays: array<Ray>;
-@group(0) @binding(8) var<storage, read_write> paths: array<Path>;
+@if(guides) @group(0) @binding(7) var<storage, read> guides: array<SurfelGuide>;
+@group(0) @binding(8) var<storage, read_write> rays: array<Ray>;
+@group(0) @binding(9) var<storage, read_write> paths: array<Path>;
+
+/// What is known of a surfel's guide: its sum, and the share of rays that follow it.
+struct Guide {
+    total: f32,
+    share: f32,
+}
+
+@if(guides)
+fn find_guide(surfel: u32) -> Guide {
+    // Of a surfel without rays, the guide is that of the one that had the slot before.
+    if irradiance[surfel].samples == 0u {
+        return Guide(0.0, 0.0);
+    }
+    let total = guide_total(surfel);
+    return Guide(total, guide_share(surfel, total));
+}
+@else
+fn find_guide(surfel: u32) -> Guide {
+    return Guide(0.0, 0.0);
+}
+
+/// `emitters` is bound.
+@if(emitters)
+const HAS_EMITTERS: bool = true;
+@else
+const HAS_EMITTERS: bool = false;
+
+@if(guides)
+fn density_of(slot: u32, guide: Guide, local: vec3<f32>, cosine: f32) -> f32 {
+    return mixture_guided_density(cosine, guide_density(slot, guide.total, local), guide.share, HAS_EMITTERS);
+}
+
+/// A ray of the surfel in a slot, the one with this index in the frame.
+@if(guides)
+fn draw_guided(
+    slot: u32,
+    pose: SurfelPose,
+    surfel: u32,
+    index: u32,
+    uv: vec2<f32>,
+    seed: u32,
+    at_emitter: bool,
+    guide: Guide,
+) -> Drawn {
+    if guide.share <= 0.0 {
+        return draw_ray(pose.position, pose.normal, uv, seed, at_emitter);
+    }
+    if HAS_EMITTERS && at_emitter {
+        var drawn = draw_ray(pose.position, pose.normal, uv, seed, true);
+        if drawn.cosine > 0.0 {
+            let local = sampling_to_local(drawn.direction, pose.normal);
+            drawn.density = -density_of(slot, guide, local, drawn.cosine);
+        }
+        return drawn;
+    }
+    // Not of the sequence that goes on: the guide knows most where that has just been, and its next points are elsewhere.
+    // Each frame has one of its own.
+    let own_seed = hash_hash2(surfel, frame.number);
+    let own = sampling_r2(index, vec2<u32>(hash_hash2(own_seed, 1u), hash_hash2(own_seed, 2u)));
+    var local: vec3<f32>;
+    if mixture_follows_guide(index, hash_hash2(own_seed, 3u), guide.share) {
+        local = guide_draw(slot, guide.total, own);
+    } else {
+        local = sampling_cosine_hemisphere(own.x, own.y);
+    }
+    let density = density_of(slot, guide, local, local.z);
+    return Drawn(sampling_to_world(local, pose.normal), F32_MAX, local.z, density);
+}
+@else
+fn draw_guided(
+    slot: u32,
+    pose: SurfelPose,
+    surfel: u32,
+    index: u32,
+    uv: vec2<f32>,
+    seed: u32,
+    at_emitter: bool,
+    guide: Guide,
+) -> Drawn {
+    return draw_ray(pose.position, pose.normal, uv, seed, at_emitter);
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -32,11 +120,12 @@ fn main(
     let pose = poses[i];
     let surfel = hash_hash2(pose.identity, frame.seed);
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
+    let guide = find_guide(i);
     for (var ray = first; ray < last; ray++) {
         let index = irradiance[i].samples + (ray - first);
         let seed = hash_hash3(surfel, frame.number, ray - first);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
-        let drawn = draw_ray(pose.position, pose.normal, sampling_r2(index, shift), seed, at_emitter);
+        let drawn = draw_guided(i, pose, surfel, ray - first, sampling_r2(index, shift), seed, at_emitter, guide);
         let origin = sampling_start(pose.position, pose.normal, births[i].offset, drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
         paths[ray] = Path(vec3<f32>(1.0), ray, seed, settings.continuations, drawn.cosine, drawn.density);

@@ -1,15 +1,15 @@
-// How many rays each surfel would like: newly spawned ones ask for more.
+// How many rays each surfel would like.
 import package::invocation::invocation_index;
-import package::types::{SurfelIrradiance, SurfelPose};
+import package::requests::requests_request;
+import package::types::{Frame, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 
-@group(0) @binding(0) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(1) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(2) var<storage, read_write> requests: array<u32>;
-
-/// Rays that a surfel integrates before it counts as settled.
-const FRESH: u32 = 128u;
-/// Request of a fresh surfel, in units of a settled one's.
-const FRESH_REQUEST: u32 = 4u;
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> settings: SurfelSettings;
+@group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(5) var<storage, read> unseen: array<u32>;
+@group(0) @binding(6) var<storage, read_write> requests: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -21,11 +21,10 @@ fn main(
     if i >= arrayLength(&poses) {
         return;
     }
-    var request = 1u;
     if poses[i].radius <= 0.0 {
-        request = 0u;
-    } else if irradiance[i].samples < FRESH {
-        request = FRESH_REQUEST;
+        requests[i] = 0u;
+        return;
     }
-    requests[i] = request;
+    let age = frame.number - births[i].frame;
+    requests[i] = requests_request(irradiance[i], age, unseen[i], settings.steered != 0u);
 }

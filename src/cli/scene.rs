@@ -105,6 +105,9 @@ pub struct SettingsArgs {
 /// Elements that `--without` switches off, and what that sets.
 const ELEMENTS: &[(&str, &str, &str)] = &[
     ("depth", "depth", "off"),
+    ("guiding", "guiding", "off"),
+    ("steering", "steering", "off"),
+    ("emitters", "emitters", "off"),
     ("clamp", "clamp", "off"),
     ("continuation", "continuations", "0"),
 ];

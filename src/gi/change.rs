@@ -1,7 +1,7 @@
 //! Changes of what is lit, between frames: a new schedule that keeps every surfel that can be kept.
 use super::lit::Lit;
 use super::{Gi, Parts, Plan};
-use crate::renderer::{RenderError, check_size};
+use crate::renderer::{RenderError, check_camera, check_size};
 use crate::view::View;
 use gibs_graph::{Action, Executable, Kind, Schedule, Step};
 use gibs_passes::frame::{Settings, pixel_angle, upload_scene_where};
@@ -44,6 +44,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         settings.check()?;
+        check_camera(camera)?;
         let grid = settings.grid(pixel_angle(camera, self.parts.size), self.parts.size);
         let parts = Parts {
             settings: settings.clone(),
@@ -68,6 +69,7 @@ impl Gi {
         camera: &Camera,
     ) -> Result<(), RenderError> {
         check_size(size)?;
+        check_camera(camera)?;
         let grid = self.parts.settings.grid(pixel_angle(camera, size), size);
         let parts = Parts {
             size,
@@ -95,16 +97,18 @@ impl Gi {
     ) -> Result<(), RenderError> {
         self.check(exec)?;
         let pose = scene.pose(&view.animation);
-        let has = &self.parts.lit.drawn;
-        if let Some(difference) = has.difference(scene, &pose) {
+        let schedule = Arc::clone(&self.schedule);
+        // Nobody else has it, so nothing of the geometry is copied.
+        let lit = Arc::make_mut(&mut self.parts.lit);
+        // First, because it names what is wrong with the scene itself.
+        let before = lit.relight(scene, &pose, view)?;
+        if let Some(difference) = lit.drawn.difference(scene, &pose) {
+            lit.restore(before);
             return Err(RenderError::Lights {
                 scene: scene.name.clone(),
                 difference,
             });
         }
-        let schedule = Arc::clone(&self.schedule);
-        // Nobody else has it, so nothing of the geometry is copied.
-        let before = Arc::make_mut(&mut self.parts.lit).relight(scene, &pose, view);
         let (lights, sky) = before.differs(&self.parts.lit);
         let parts = self.parts.clone();
         let changed = self.change(exec, parts, |key| match key {

@@ -1,11 +1,11 @@
 //! A scene as it is lit: on the device, and what of the host's is needed to tell what changed.
-use crate::renderer::{RenderError, device_scene};
+use crate::renderer::{RenderError, device_scene, refused};
 use crate::view::View;
 use bytemuck::cast_slice;
 use gibs_passes::data::Light;
 use gibs_passes::device::{DeviceScene, EnvironmentTable};
 use gibs_passes::frame::SceneSizes;
-use gibs_passes::scene::{Environment, Pose, Scene};
+use gibs_passes::scene::{Environment, MOST_RADIANCE, Pose, Scene};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A scene in a pose, lit by a view.
@@ -14,8 +14,8 @@ pub(super) struct Lit {
     pub device: DeviceScene,
     pub sizes: SceneSizes,
     pub drawn: Drawn,
-    /// What the device's sky was made from: making it takes longer than a frame.
-    sky: Environment,
+    /// What the device's sky was made from, since making it takes longer than a frame; `None` where making it warns.
+    sky: Option<Environment>,
 }
 
 /// Light of a scene before it changed.
@@ -24,7 +24,7 @@ pub(super) struct Before {
     warnings: Vec<String>,
     sizes: SceneSizes,
     /// `None` where the sky is the same.
-    sky: Option<(EnvironmentTable, Environment)>,
+    sky: Option<(EnvironmentTable, Option<Environment>)>,
 }
 
 impl Lit {
@@ -33,40 +33,51 @@ impl Lit {
         Ok(Self {
             sizes: SceneSizes::of(&device),
             drawn: Drawn::of(scene, &scene.pose(&view.animation)),
-            sky: view.environment.clone(),
+            sky: sound(&view.environment),
             device,
         })
     }
 
     /// Takes other lights, another sun or sky for the same geometry, and gives what there was.
-    pub fn relight(&mut self, scene: &Scene, pose: &Pose, view: &View) -> Before {
+    ///
+    /// # Errors
+    /// As [`DeviceScene::relight`]; nothing has changed then.
+    pub fn relight(
+        &mut self,
+        scene: &Scene,
+        pose: &Pose,
+        view: &View,
+    ) -> Result<Before, RenderError> {
         let device = &mut self.device;
+        let (lights, warnings) = (device.lights.clone(), device.warnings.clone());
         let table = std::mem::take(&mut device.environment);
-        let lights = std::mem::take(&mut device.lights);
-        let warnings = std::mem::take(&mut device.warnings);
-        let sun = view.sun.as_ref();
-        let sky = match self.sky == view.environment {
+        let stays = self.sky.as_ref() == Some(&view.environment);
+        // As dark or bright as the sky that stays.
+        let brightness = if table.is_black() { 0.0 } else { 1.0 };
+        let alike = Environment::Constant(Vec3::splat(brightness));
+        let environment = if stays { &alike } else { &view.environment };
+        let lit = device.relight(scene, pose, view.sun.as_ref(), environment);
+        if let Err(error) = lit {
+            device.environment = table;
+            return Err(refused(scene)(error));
+        }
+        let sky = match stays {
             true => {
-                // As dark or bright as the sky that stays.
-                let brightness = if table.is_black() { 0.0 } else { 1.0 };
-                let alike = Environment::Constant(Vec3::splat(brightness));
-                device.relight(scene, pose, sun, &alike);
                 device.environment = table;
                 None
             }
             false => {
-                device.relight(scene, pose, sun, &view.environment);
-                let sky = std::mem::replace(&mut self.sky, view.environment.clone());
-                Some((table, sky))
+                let before = std::mem::replace(&mut self.sky, sound(&view.environment));
+                Some((table, before))
             }
         };
         let sizes = std::mem::replace(&mut self.sizes, SceneSizes::of(&self.device));
-        Before {
+        Ok(Before {
             lights,
             warnings,
             sizes,
             sky,
-        }
+        })
     }
 
     /// Takes back what [`Lit::relight`] changed.
@@ -107,6 +118,19 @@ impl Lit {
             _ => true,
         }
     }
+}
+
+/// An environment of which nothing has to be put right.
+fn sound(environment: &Environment) -> Option<Environment> {
+    let is_light = |texel: &Vec3| {
+        texel.cmpge(Vec3::ZERO).all() && texel.cmple(Vec3::splat(MOST_RADIANCE)).all()
+    };
+    let sound = match environment {
+        Environment::Constant(_) => true,
+        Environment::Map(map) => map.texels.iter().all(is_light),
+        _ => false,
+    };
+    sound.then(|| environment.clone())
 }
 
 impl Before {

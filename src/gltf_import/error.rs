@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Why a glTF file could not be imported. The text names the file, the element, the value and what to do.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImportError {
     /// A file could not be read.
     #[error("cannot read {}: {source}; check that the file is there and may be read", file.display())]

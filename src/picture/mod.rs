@@ -39,6 +39,7 @@ pub struct Picture {
 
 /// What a file's extension says it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// OpenEXR, every channel, 32-bit float.
     Exr,

@@ -1,16 +1,13 @@
 //! Reading of environment maps.
 use super::ViewError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use gibs_passes::scene::{EnvironmentMap, MOST_RADIANCE};
+use gibs_passes::scene::{EnvironmentMap, clamp_radiance};
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, codecs::hdr::HdrDecoder};
 use std::{fs::File, io::BufReader, path::Path};
 
 /// Largest number of texels that is read: a map of 16384 x 8192, 1.5 GiB as it is held.
 const MAX_TEXELS: u64 = 1 << 27;
-
-/// What an infinite texel becomes: the largest number of half precision, as in most files.
-const LARGEST_TEXEL: f32 = 65_504.0;
 
 /// Width, height and texels as the file has them.
 type Raw = (u32, u32, Vec<Vec3>);
@@ -33,7 +30,7 @@ pub(super) fn load(
     let mut clamped = 0_usize;
     for texel in &mut texels {
         let wanted = *texel * scale;
-        *texel = wanted.map(clamped_channel);
+        *texel = clamp_radiance(wanted);
         // NaN differs from everything, so it counts too.
         clamped += usize::from(*texel != wanted);
     }
@@ -50,14 +47,6 @@ pub(super) fn load(
         texels,
         rotation_y: 0.0,
     })
-}
-
-fn clamped_channel(value: f32) -> f32 {
-    match value {
-        v if v.is_nan() || v < 0.0 => 0.0,
-        f32::INFINITY => LARGEST_TEXEL,
-        v => v.min(MOST_RADIANCE),
-    }
 }
 
 fn wrong(file: &Path, problem: String, remedy: &'static str) -> ViewError {

@@ -19,10 +19,8 @@ impl View {
     ///   else nothing beside the scene's own.
     /// - Size: [`DEFAULT_RESOLUTION`].
     ///
-    /// What was made up is named in [`View::warnings`].
-    ///
-    /// # Panics
-    /// If the scene does not pass [`Scene::validate`].
+    /// What was made up is named in [`View::warnings`]. Of a scene that does not pass [`Scene::validate`], what does not
+    /// exist does not count.
     pub fn framing(scene: &Scene) -> View {
         let mut warnings = Vec::new();
         let camera = match scene.cameras.first() {

@@ -40,6 +40,7 @@ pub struct View {
 
 /// Why a view could not be read or written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ViewError {
     /// A file could not be opened or read.
     #[error("cannot read {}: {source}; check that the path is right and that the file may be read", file.display())]

@@ -2,26 +2,107 @@
 #![allow(dead_code, reason = "each test uses a part")]
 use gibs::Renderer;
 use gibs::backends::{self, Choice};
-use gibs::graph::Backend;
+use gibs::graph::{Backend, BackendError};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::view::View;
 
 /// Every backend that this build has. One that the machine lacks is a failure under `GIBS_STRICT=1`; else it is
-/// reported as not run.
+/// reported as not run. Vulkan is watched by the validation layer where it is installed; what the layer says fails the test.
 pub fn all_backends() -> Vec<Box<dyn Backend>> {
     let mut found = Vec::new();
     for &choice in backends::BUILT {
-        match backends::open(choice) {
+        match open(choice) {
             Ok(backend) => found.push(backend),
-            Err(error) if std::env::var_os("GIBS_STRICT").is_some_and(|v| v == "1") => {
-                panic!("{choice}: {error}")
-            }
+            Err(error) if is_strict() => panic!("{choice}: {error}"),
             Err(error) => eprintln!("not run on {choice}: {error}"),
         }
     }
     found
+}
+
+fn is_strict() -> bool {
+    std::env::var_os("GIBS_STRICT").is_some_and(|v| v == "1")
+}
+
+fn open(choice: Choice) -> Result<Box<dyn Backend>, BackendError> {
+    #[cfg(feature = "vulkan")]
+    if choice == Choice::Vulkan {
+        match watched::Watched::open() {
+            Ok(backend) => return Ok(Box::new(backend)),
+            Err(error) if is_strict() => return Err(error),
+            Err(error) => eprintln!("not watched: {error}"),
+        }
+    }
+    backends::open(choice)
+}
+
+#[cfg(feature = "vulkan")]
+mod watched {
+    use gibs::graph::{Backend, BackendError, Capabilities, DeviceInfo, Executable, Schedule};
+    use gibs_backend_vulkan::{Options, ValidationLog, VulkanBackend};
+    use std::sync::Arc;
+
+    /// Vulkan under its validation layer, synchronization included, which has to stay silent.
+    pub struct Watched {
+        /// `None` only while the value is dropped.
+        backend: Option<VulkanBackend>,
+        log: ValidationLog,
+    }
+
+    impl Watched {
+        pub fn open() -> Result<Self, BackendError> {
+            let backend = VulkanBackend::new(Options {
+                validation: true,
+                sync_validation: true,
+                device: None,
+            })?;
+            Ok(Self {
+                log: backend.validation_log(),
+                backend: Some(backend),
+            })
+        }
+
+        fn backend(&self) -> &VulkanBackend {
+            self.backend.as_ref().expect("it is there until the end")
+        }
+    }
+
+    impl Backend for Watched {
+        fn name(&self) -> &str {
+            self.backend().name()
+        }
+
+        fn device(&self) -> &DeviceInfo {
+            self.backend().device()
+        }
+
+        fn capabilities(&self) -> &Capabilities {
+            self.backend().capabilities()
+        }
+
+        fn prepare(&self, schedule: Arc<Schedule>) -> Result<Box<dyn Executable>, BackendError> {
+            self.backend().prepare(schedule)
+        }
+    }
+
+    impl Drop for Watched {
+        fn drop(&mut self) {
+            // Taking the device down is watched as well, where no executable still holds it.
+            drop(self.backend.take());
+            let messages = self.log.messages();
+            // A test that fails already has something else to say.
+            if !std::thread::panicking() {
+                assert!(
+                    messages.is_empty(),
+                    "{} messages of the validation layer:\n{}",
+                    messages.len(),
+                    messages.join("\n")
+                );
+            }
+        }
+    }
 }
 
 /// The CPU backend.

@@ -164,7 +164,7 @@ fn own_images_come_back() {
                 matches!(error, Some(BackendError::Refused { .. })),
                 "{said}"
             );
-            assert!(said.contains("forget_imports"), "{said}");
+            assert!(said.contains("the host has lent it"), "{said}");
         }
         engine.wait();
         // SAFETY: everything was waited for.

@@ -123,7 +123,7 @@ fn what_does_not_fit_is_refused() {
                 images.import_buffer(99, vk::Buffer::null()),
             ] {
                 let error = error.unwrap_err();
-                assert!(matches!(error, BackendError::Range { .. }), "{error}");
+                assert!(matches!(error, BackendError::Refused { .. }), "{error}");
             }
         }
         images.run().unwrap();

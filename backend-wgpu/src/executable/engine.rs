@@ -8,6 +8,7 @@ impl WgpuExecutable {
     /// Takes an image of the engine for an imported or exported one, from the next recorded frame on: a view of the
     /// first mip level of a two-dimensional texture. One that is read needs `TEXTURE_BINDING` and a format of its class
     /// (a depth view needs the aspect `DepthOnly`), one that is written needs `STORAGE_BINDING` and the very format.
+    /// Reading it and uploads to it are refused from then on, as for a buffer.
     /// Images that come again and again, as those of a swapchain do, cost bind groups only the first time.
     ///
     /// # Errors
@@ -21,9 +22,8 @@ impl WgpuExecutable {
     }
 
     /// Takes a buffer of the engine for an input or an output, from the next recorded frame on. It needs the usage
-    /// `STORAGE`, or `UNIFORM` or `INDIRECT`, as stages use it. What is uploaded from then on goes to it as well, in
-    /// the order that [`WgpuExecutable::record`] describes, and needs `COPY_DST`; if it starts or ends inside a word of
-    /// 4 bytes, also `COPY_SRC`.
+    /// `STORAGE`, or `UNIFORM` or `INDIRECT`, as stages use it. Reading it and uploads to it are refused from then on; what
+    /// was uploaded before stays with the backend's own buffer.
     ///
     /// # Errors
     /// [`BackendError::Refused`]; what else does not fit shows when a frame is recorded.

@@ -180,18 +180,4 @@ pub mod broken {
         }
         fn nothing(_: &Views<'_>, _: gibs_graph::Workgroup) {}
     }
-
-    pub mod wide {
-        gibs_graph::stage! {
-            /// Wants a larger workgroup than any device has.
-            pub stage Wide {
-                wgsl: crate::stages::source("wide", ""),
-                workgroup: [1 << 20, 1, 1],
-                ports: { read numbers: u32, write doubled: u32 },
-                cpu: nothing,
-                wide: None,
-            }
-        }
-        fn nothing(_: &Views<'_>, _: gibs_graph::Workgroup) {}
-    }
 }

@@ -1,6 +1,6 @@
 //! Stages as a DAG: who depends on whom, who is needed, and in which order they run.
 use crate::graph::StageDecl;
-use crate::schedule::HazardKind;
+use crate::step::HazardKind;
 use crate::{Access, Graph, GraphError, Kind};
 use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -157,6 +157,7 @@ mod tests {
                 kernel,
                 bindings: Vec::new(),
                 dispatch: crate::graph::DispatchDecl::Groups([1; 3]),
+                foreign: false,
             })
             .collect()
     }
@@ -198,6 +199,38 @@ mod tests {
             text,
             "stage `first` depends on itself through other stages; give one of them a resource of its own to write"
         );
+    }
+
+    /// The two allocations of a history are apart; anything else that is bound as the frame before's is one memory.
+    #[test]
+    fn the_frame_before_of_no_history_is_an_error_and_aliases() {
+        let forged = |declare: fn(&mut Graph)| {
+            let mut graph = Graph::new("forged");
+            declare(&mut graph);
+            let mut stages = stages(&["forger"]);
+            for (port, access, version) in [
+                ("before", Access::Previous, None),
+                ("now", Access::Write, Some(0)),
+            ] {
+                stages[0].bindings.push(crate::graph::BindingDecl {
+                    port,
+                    resource: 0,
+                    version,
+                    access,
+                });
+            }
+            graph.stages = stages;
+            graph.compile(None).unwrap_err().to_string()
+        };
+        let wants = [
+            "stage `forger`, port `before` reads what `shared` held in the frame before, but it is no history; declare \
+             it with Graph::history, or bind it as read",
+            "stage `forger` binds `shared` to `before` and `now`, and writes it",
+        ];
+        let text = forged(|graph| drop(graph.zeroed::<u32>("shared", 4)));
+        assert!(wants.iter().all(|want| text.contains(want)), "{text}");
+        let text = forged(|graph| drop(graph.history::<u32>("shared", 4, crate::Initial::Zero)));
+        assert!(wants.iter().all(|want| !text.contains(want)), "{text}");
     }
 
     /// Handles cannot bind one resource twice where a port writes it, so it is done by hand.

@@ -1,5 +1,5 @@
 //! Which step has to wait for which.
-use crate::schedule::{Hazard, HazardKind, Step};
+use crate::step::{Hazard, HazardKind, Step};
 use crate::{Access, Resource, ResourceId};
 
 /// Fills in every step's hazards and returns all dependencies. A barrier before a step orders everything before it,

@@ -1,6 +1,7 @@
 //! What is allocated, and the steps in a row.
 use crate::graph::DispatchDecl;
-use crate::schedule::{Action, Binding, DispatchSize, DispatchStep, Resource, Step, Usage};
+use crate::schedule::{Resource, Usage};
+use crate::step::{Action, Binding, DispatchSize, DispatchStep, Step};
 use crate::{Access, Graph, Kind};
 use std::collections::{HashMap, HashSet};
 
@@ -86,9 +87,9 @@ pub(super) fn lay_out(
                 });
             }
         }
-        let size = match stage.dispatch {
-            DispatchDecl::Groups(groups) => DispatchSize::Groups(groups),
-            DispatchDecl::Indirect { resource } => DispatchSize::Indirect(place[&resource]),
+        let size = match (&stage.dispatch, stage.groups()) {
+            (DispatchDecl::Indirect { resource }, _) => DispatchSize::Indirect(place[resource]),
+            (_, groups) => DispatchSize::Groups(groups.unwrap_or_default()),
         };
         let dispatch = DispatchStep {
             stage: stage.stage,

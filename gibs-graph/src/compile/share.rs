@@ -1,5 +1,5 @@
 //! Which transients share memory.
-use crate::schedule::Step;
+use crate::step::Step;
 use crate::{Kind, Resource};
 
 /// First and last step that touch a resource.

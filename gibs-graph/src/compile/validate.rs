@@ -97,19 +97,23 @@ fn starts_undefined(graph: &Graph, resource: u32) -> bool {
 
 fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>) {
     let name = |resource: u32| graph.resources[resource as usize].key.clone();
-    if let DispatchDecl::Groups(groups) = stage.dispatch
-        && (groups.iter().any(|&n| n > MAX_GROUPS) || workgroups(groups) > u64::from(u32::MAX))
-    {
-        errors.push(GraphError::DispatchSize {
-            stage: stage.label.clone(),
-            groups,
-        });
-    }
+    validate_size(stage, errors);
+    validate_ports(graph, stage, errors);
     for (i, binding) in stage.bindings.iter().enumerate() {
         let resource = &graph.resources[binding.resource as usize];
         let (label, port) = (stage.label.clone(), binding.port.to_string());
+        let is_history = matches!(resource.kind, Kind::History(_));
         let reads_now = binding.access.reads() && binding.access != Access::Previous;
-        if reads_now && binding.version == Some(0) && starts_undefined(graph, binding.resource) {
+        if binding.access == Access::Previous && !is_history {
+            errors.push(GraphError::NoHistory {
+                stage: label,
+                port,
+                resource: name(binding.resource),
+            });
+        } else if reads_now
+            && binding.version == Some(0)
+            && starts_undefined(graph, binding.resource)
+        {
             errors.push(GraphError::Uninitialized {
                 stage: label,
                 port,
@@ -137,8 +141,8 @@ fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>
         let clash = stage.bindings[..i].iter().find(|other| {
             other.resource == binding.resource
                 && (other.access.writes() || binding.access.writes())
-                && other.access != Access::Previous
-                && binding.access != Access::Previous
+                && !(is_history
+                    && (other.access == Access::Previous || binding.access == Access::Previous))
         });
         if let Some(other) = clash {
             errors.push(GraphError::Aliased {
@@ -151,8 +155,73 @@ fn validate_stage(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>
     }
 }
 
-fn workgroups(groups: [u32; 3]) -> u64 {
-    groups
+/// What WebGPU guarantees, and what kernels can number.
+fn validate_size(stage: &StageDecl, errors: &mut Vec<GraphError>) {
+    let label = || stage.label.clone();
+    let size = stage.kernel.workgroup;
+    if size.contains(&0) || stage.lanes() > 256 || size[2] > 64 {
+        errors.push(GraphError::WorkgroupSize {
+            stage: label(),
+            size,
+        });
+        return;
+    }
+    let total = |groups: [u32; 3]| {
+        let sides = groups.iter();
+        sides.fold(1, |product: u64, &n| product.saturating_mul(u64::from(n)))
+    };
+    match (&stage.dispatch, stage.groups()) {
+        (&DispatchDecl::Elements(count), Some(groups)) => {
+            let invocations = total(groups).saturating_mul(u64::from(stage.lanes()));
+            if count > u64::from(u32::MAX) || invocations > 1 << 32 {
+                errors.push(GraphError::Invocations {
+                    stage: label(),
+                    count,
+                });
+            }
+        }
+        (_, Some(groups))
+            if groups.iter().any(|&n| n > MAX_GROUPS) || total(groups) > u64::from(u32::MAX) =>
+        {
+            errors.push(GraphError::DispatchSize {
+                stage: label(),
+                groups,
+            });
+        }
+        _ => {}
+    }
+}
+
+/// A stage that is written by hand could bind what its ports do not say. A handle of another graph leaves its port
+/// unbound, which is an error already.
+fn validate_ports(graph: &Graph, stage: &StageDecl, errors: &mut Vec<GraphError>) {
+    let mut bindings = stage
+        .bindings
         .iter()
-        .fold(1, |product: u64, &n| product.saturating_mul(u64::from(n)))
+        .filter(|b| b.access != Access::Indirect)
+        .peekable();
+    let mut mismatch = |port: &str| {
+        errors.push(GraphError::PortMismatch {
+            stage: stage.label.clone(),
+            port: port.into(),
+        });
+    };
+    for port in &stage.ports {
+        let Some(binding) = bindings.next_if(|b| b.port == port.name) else {
+            if !stage.foreign {
+                mismatch(port.name);
+            }
+            continue;
+        };
+        let resource = &graph.resources[binding.resource as usize];
+        let agree = binding.access == port.access
+            && resource.element == port.element
+            && resource.image.map(|image| image.format) == port.image;
+        if !agree {
+            mismatch(port.name);
+        }
+    }
+    if let Some(binding) = bindings.next() {
+        mismatch(binding.port);
+    }
 }

@@ -231,6 +231,7 @@ impl Frame {
             Kind::Input | Kind::State(_) => Start::Kept,
             Kind::Transient | Kind::Zeroed => Start::Anew,
             Kind::History(_) => Start::Rotated,
+            other => panic!("{other:?}"),
         };
         let mut starts: Vec<_> = self.kinds.iter().map(start).collect();
         starts.push(Start::Anew);

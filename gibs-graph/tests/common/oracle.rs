@@ -10,6 +10,7 @@ pub fn touches(step: &Step) -> Vec<(Place, bool, bool)> {
     let dispatch = match &step.action {
         Action::Clear(resource) => return vec![((*resource, false), false, true)],
         Action::Dispatch(dispatch) => dispatch,
+        other => panic!("{other:?}"),
     };
     let mut touches: Vec<_> = dispatch
         .bindings
@@ -23,6 +24,7 @@ pub fn touches(step: &Step) -> Vec<(Place, bool, bool)> {
             Access::Previous => ((binding.resource, true), true, false),
             Access::Write | Access::Stored => ((binding.resource, false), false, true),
             Access::ReadWrite | Access::Atomic => ((binding.resource, false), true, true),
+            other => panic!("{other:?}"),
         })
         .collect();
     if let DispatchSize::Indirect(resource) = dispatch.size {

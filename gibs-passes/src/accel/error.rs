@@ -3,6 +3,7 @@ use thiserror::Error;
 
 /// Geometry that no tree can be built from.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum BuildError {
     /// A triangle names a vertex that its part does not have.
     #[error(
@@ -100,6 +101,7 @@ pub enum BuildError {
 
 /// Why no ray can hit an instance.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LeftOut {
     /// Its transform flattens space.
     #[error("its transform is singular; give every axis a scale other than zero")]

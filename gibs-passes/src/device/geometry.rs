@@ -1,8 +1,8 @@
 //! Meshes into bottom levels, nodes into instances.
-use super::relative;
-use crate::accel::{BlasInput, BuildError, InstanceInput, LeftOut, MeshPart, TwoLevel, Wide};
+use super::{DeviceSceneError, relative};
+use crate::accel::{BlasInput, InstanceInput, LeftOut, MAX_COORDINATE, MeshPart, TwoLevel, Wide};
 use crate::data::{Corners, Instance, NONE};
-use crate::scene::{AlphaMode, Material, Mesh, Pose, Scene, label};
+use crate::scene::{AlphaMode, Material, Mesh, Pose, SceneDataError, Sound, label, posed};
 use crate::shared::octahedral;
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -29,7 +29,11 @@ struct Level {
     parts: Vec<Part>,
 }
 
-pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometry, BuildError> {
+pub(super) fn build(
+    scene: &Sound<'_>,
+    pose: &Pose,
+    origin: DVec3,
+) -> Result<Geometry, DeviceSceneError> {
     let mut corners = Vec::new();
     let mut levels: Vec<Level> = Vec::new();
     let mut instances = Vec::new();
@@ -43,7 +47,7 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
     {
         let id = id as u32;
         if node.skin.is_some() {
-            let level = skinned_level(scene, pose, origin, id, &mut corners);
+            let level = skinned_level(scene, pose, origin, id, &mut corners)?;
             levels.push(level);
             instances.push(InstanceInput {
                 blas: levels.len() as u32 - 1,
@@ -82,7 +86,7 @@ pub(super) fn build(scene: &Scene, pose: &Pose, origin: DVec3) -> Result<Geometr
 }
 
 /// One warning for each reason to leave nodes out, and one if none is left.
-fn left_out(scene: &Scene, tree: &TwoLevel) -> Vec<String> {
+fn left_out(scene: &Sound<'_>, tree: &TwoLevel) -> Vec<String> {
     let left_out = &tree.stats.left_out;
     let mut reasons: Vec<LeftOut> = Vec::new();
     for &(_, why) in left_out {
@@ -114,7 +118,7 @@ fn left_out(scene: &Scene, tree: &TwoLevel) -> Vec<String> {
     warnings
 }
 
-fn borrow<'a>(scene: &'a Scene, part: &'a Part) -> MeshPart<'a> {
+fn borrow<'a>(scene: &'a Sound<'_>, part: &'a Part) -> MeshPart<'a> {
     let mesh = &scene.meshes[part.mesh as usize];
     MeshPart {
         positions: part.positions.as_deref().unwrap_or(&mesh.positions),
@@ -132,7 +136,7 @@ pub(super) fn needs_alpha(material: &Material) -> bool {
     material.alpha_mode != AlphaMode::Opaque || material.transmission > 0.0
 }
 
-fn rigid_level(scene: &Scene, meshes: &[u32], corners: &mut Vec<Corners>) -> Level {
+fn rigid_level(scene: &Sound<'_>, meshes: &[u32], corners: &mut Vec<Corners>) -> Level {
     let parts = meshes
         .iter()
         .map(|&mesh| {
@@ -152,54 +156,76 @@ fn rigid_level(scene: &Scene, meshes: &[u32], corners: &mut Vec<Corners>) -> Lev
 
 /// Skinned meshes are posed in the world; each triangle moves with the joint that most of its vertices follow.
 fn skinned_level(
-    scene: &Scene,
+    scene: &Sound<'_>,
     pose: &Pose,
     origin: DVec3,
     node: u32,
     corners: &mut Vec<Corners>,
-) -> Level {
-    let parts = scene.nodes[node as usize]
+) -> Result<Level, DeviceSceneError> {
+    let drawing = &scene.nodes[node as usize];
+    let skin = drawing.skin.map(|skin| &scene.skins[skin as usize]);
+    let parts = drawing
         .meshes
         .iter()
         .map(|&mesh| {
             let first_primitive = corners.len() as u32;
-            let drawn = &scene.meshes[mesh as usize];
-            let posed = scene.skinned_positions(pose, node, mesh);
+            let drawn: &Mesh = &scene.meshes[mesh as usize];
+            let posed = posed(drawn, skin, pose, node);
+            let positions: Vec<Vec3> = posed
+                .positions
+                .iter()
+                .map(|&p| (p - origin).as_vec3())
+                .collect();
+            // Not `>`: the comparison must also fail for NaN.
+            let is_near = |p: &Vec3| p.abs().cmplt(Vec3::splat(MAX_COORDINATE)).all();
+            if let Some(v) = positions.iter().position(|p| !is_near(p)) {
+                let node = label("node", node as usize, &drawing.name);
+                let mesh = label("mesh", mesh as usize, &drawn.name);
+                return Err(DeviceSceneError::Scene(SceneDataError::Value {
+                    element: format!("{mesh}, vertex {v}, as the skin of {node} poses it"),
+                    what: "position".to_owned(),
+                    value: posed.positions[v].to_string(),
+                    expected: "finite and less than 1e12 away; bring the joints closer",
+                }));
+            }
             push_corners(drawn, &posed.normals, corners);
             let joint = |v: u32| posed.dominant_joint[v as usize];
             let follows = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(joint);
                 if b == c { b } else { a }
             };
-            Part {
+            Ok(Part {
                 mesh,
-                positions: Some(
-                    posed
-                        .positions
-                        .iter()
-                        .map(|&p| (p - origin).as_vec3())
-                        .collect(),
-                ),
+                positions: Some(positions),
                 transform_ids: drawn.triangles.iter().map(follows).collect(),
                 first_primitive,
-            }
+            })
         })
-        .collect();
-    Level { parts }
+        .collect::<Result<_, _>>()?;
+    Ok(Level { parts })
 }
 
 fn push_corners(mesh: &Mesh, normals: &[Vec3], corners: &mut Vec<Corners>) {
     let smooth = u32::from(!normals.is_empty());
     corners.extend(mesh.triangles.iter().map(|triangle| Corners {
-        normals: triangle.map(|v| normals.get(v as usize).map_or(0, |&n| octahedral::pack(n))),
+        normals: triangle.map(|v| normals.get(v as usize).map_or(0, |&n| packed(n))),
         smooth,
         uvs: triangle.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or(Vec2::ZERO)),
     }));
 }
 
+/// Packing takes a normal of any length whose components sum up to a number.
+fn packed(normal: Vec3) -> u32 {
+    if normal.length_squared().is_finite() {
+        octahedral::pack(normal)
+    } else {
+        octahedral::pack(normal.as_dvec3().normalize().as_vec3())
+    }
+}
+
 /// Corners of the box of all that rays can hit.
 fn bounds(
-    scene: &Scene,
+    scene: &Sound<'_>,
     levels: &[Level],
     instances: &[InstanceInput],
     tree: &TwoLevel,

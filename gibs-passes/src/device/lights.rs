@@ -1,13 +1,14 @@
 //! Sun and punctual lights.
 use crate::accel::MAX_WORLD_COORDINATE;
 use crate::data::Light;
-use crate::scene::{LightKind, Pose, Scene, Sun, label};
+use crate::scene::{self, LightKind, Node, Pose, Sun, label};
 use glam::{DVec3, Vec3};
 
 /// The sun, then the scene's lights that shine at all. Those without a place or a direction are left out and named in
 /// `warnings`.
 pub(super) fn pack(
-    scene: &Scene,
+    lights: &[scene::Light],
+    nodes: &[Node],
     pose: &Pose,
     origin: DVec3,
     sun: Option<&Sun>,
@@ -20,8 +21,7 @@ pub(super) fn pack(
             direction: sun.direction.as_vec3(),
             ..Light::default()
         });
-    let lights = scene
-        .lights
+    let lights = lights
         .iter()
         .enumerate()
         .filter(|(_, light)| light.intensity != Vec3::ZERO)
@@ -42,7 +42,7 @@ pub(super) fn pack(
                 _ => "",
             };
             if !problem.is_empty() {
-                let name = &scene.nodes[light.node as usize].name;
+                let name = &nodes[light.node as usize].name;
                 let node = label("node", light.node as usize, name);
                 warnings.push(format!("light {i} in {node} is left out: {problem}"));
                 return None;

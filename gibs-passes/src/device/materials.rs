@@ -1,24 +1,24 @@
 //! Materials and textures into packed storage.
 use crate::data::{Material, NONE};
-use crate::scene::{self, AlphaMode, Sampler, Scene, TextureRef, Wrap};
+use crate::scene::{self, AlphaMode, Sampler, Sound, Texture, TextureRef, Wrap};
 use crate::shared::texture;
 use glam::Vec3;
 use std::collections::HashMap;
 
 /// Device materials, and the texels of all textures that they use.
-pub(super) fn pack(scene: &Scene) -> (Vec<Material>, Vec<u32>) {
+pub(super) fn pack(scene: &Sound<'_>) -> (Vec<Material>, Vec<u32>) {
     let mut texels = texture::srgb_table().to_vec();
     let mut placed: HashMap<u32, u32> = HashMap::new();
     let materials = scene
         .materials
         .iter()
-        .map(|m| material(scene, m, &mut texels, &mut placed))
+        .map(|m| material(scene.textures, m, &mut texels, &mut placed))
         .collect();
     (materials, texels)
 }
 
 fn material(
-    scene: &Scene,
+    textures: &[Texture],
     material: &scene::Material,
     texels: &mut Vec<u32>,
     placed: &mut HashMap<u32, u32>,
@@ -50,7 +50,7 @@ fn material(
         ..Material::default()
     };
     if let Some(used) = &material.base_color_texture {
-        let slot = slot(scene, used, texels, placed);
+        let slot = slot(textures, used, texels, placed);
         (packed.base_texels, packed.base_size, packed.base_sampler) =
             (slot.first, slot.size, slot.sampler);
         (packed.base_u, packed.base_v) = (slot.u, slot.v);
@@ -60,7 +60,7 @@ fn material(
         .as_ref()
         .filter(|_| material.emission != Vec3::ZERO)
     {
-        let slot = slot(scene, used, texels, placed);
+        let slot = slot(textures, used, texels, placed);
         (
             packed.emission_texels,
             packed.emission_size,
@@ -80,12 +80,12 @@ struct Slot {
 }
 
 fn slot(
-    scene: &Scene,
+    textures: &[Texture],
     used: &TextureRef,
     texels: &mut Vec<u32>,
     placed: &mut HashMap<u32, u32>,
 ) -> Slot {
-    let source = &scene.textures[used.texture as usize];
+    let source = &textures[used.texture as usize];
     let first = *placed.entry(used.texture).or_insert_with(|| {
         let first = texels.len() as u32;
         texels.extend(source.texels.iter().map(|&t| u32::from_le_bytes(t)));

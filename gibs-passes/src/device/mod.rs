@@ -1,16 +1,18 @@
 //! A posed scene as device data: what the input buffers of the frames hold.
 mod emitters;
 mod environment;
+mod error;
 mod geometry;
 mod lights;
 mod materials;
 
 pub use emitters::EmitterTable;
 pub use environment::EnvironmentTable;
+pub use error::DeviceSceneError;
 
-use crate::accel::{BuildError, TwoLevel, Wide};
+use crate::accel::{TwoLevel, Wide};
 use crate::data::{Corners, Light, Material, Transform};
-use crate::scene::{Environment, Pose, Scene, Sun};
+use crate::scene::{self, Environment, Lighting, Pose, Scene, SceneDataError, Sun};
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 
 /// Everything that the frames need of a scene in a pose, relative to a floating origin.
@@ -46,18 +48,29 @@ pub struct DeviceScene {
 impl DeviceScene {
     /// Prepares `scene` in `pose`, with everything relative to `origin`.
     ///
+    /// This is the gate: nothing of the scene, the sun or the environment is taken on trust. What has an obvious repair
+    /// (see [`Scene::validate`]) is repaired in a copy and named in [`DeviceScene::warnings`]; texels of an environment
+    /// map are clamped likewise; the sun's direction may have any length but zero.
+    ///
     /// # Errors
-    /// Geometry that no tree can be built from.
+    /// [`DeviceSceneError`]: a scene that [`Scene::validate`] refuses, a pose of another scene, a sun or an environment
+    /// that is none, an origin that is not finite, geometry that no tree can be built from.
     pub fn build(
         scene: &Scene,
         pose: &Pose,
         origin: DVec3,
         sun: Option<&Sun>,
         environment: &Environment,
-    ) -> Result<Self, BuildError> {
-        let (materials, texels) = materials::pack(scene);
-        let geometry = geometry::build(scene, pose, origin)?;
+    ) -> Result<Self, DeviceSceneError> {
+        check_origin(origin)?;
+        check_pose(scene, pose)?;
+        let sound = scene.sound().map_err(DeviceSceneError::Scene)?;
+        let outside = Outside::check(sun, environment)?;
+        let (materials, texels) = materials::pack(&sound);
+        let mut geometry = geometry::build(&sound, pose, origin)?;
         let emitters = EmitterTable::build(&geometry.tree, &materials);
+        let mut geometry_warnings = sound.warnings;
+        geometry_warnings.append(&mut geometry.warnings);
         let mut built = Self {
             origin,
             tree: geometry.tree,
@@ -75,23 +88,46 @@ impl DeviceScene {
             emitters,
             bounds: geometry.bounds,
             warnings: Vec::new(),
-            geometry_warnings: geometry.warnings,
+            geometry_warnings,
         };
-        built.relight(scene, pose, sun, environment);
+        built.light(scene, pose, sound.lighting, outside);
         Ok(built)
     }
 
-    /// Takes other lights, sun and sky for the same geometry; lights at the nodes of `pose`.
+    /// Takes other lights, sun and sky for the same geometry; lights at the nodes of `pose`. Vertices and textures of
+    /// `scene` are not looked at.
+    ///
+    /// # Errors
+    /// As [`DeviceScene::build`], of all but geometry. Nothing has changed then.
     pub fn relight(
         &mut self,
         scene: &Scene,
         pose: &Pose,
         sun: Option<&Sun>,
         environment: &Environment,
-    ) {
+    ) -> Result<(), DeviceSceneError> {
+        check_pose(scene, pose)?;
+        let lighting = scene.sound_lighting().map_err(DeviceSceneError::Scene)?;
+        let outside = Outside::check(sun, environment)?;
+        self.light(scene, pose, lighting, outside);
+        Ok(())
+    }
+
+    /// Takes lights that have passed the gate.
+    fn light(&mut self, scene: &Scene, pose: &Pose, lighting: Lighting<'_>, outside: Outside) {
         self.warnings = self.geometry_warnings.clone();
-        self.lights = lights::pack(scene, pose, self.origin, sun, &mut self.warnings);
-        self.environment = EnvironmentTable::build(environment);
+        self.warnings.extend(lighting.warnings);
+        self.warnings.extend(outside.warnings);
+        let (lights, sun) = (&lighting.lights, outside.sun.as_ref());
+        self.lights = lights::pack(
+            lights,
+            &scene.nodes,
+            pose,
+            self.origin,
+            sun,
+            &mut self.warnings,
+        );
+        self.environment = outside.environment;
         if self.lights.is_empty() && !shines(scene) && self.environment.is_black() {
             self.warnings.push(
                 "nothing in the scene or the view shines, so the picture is black; add a light, a sun or a sky"
@@ -111,11 +147,56 @@ impl DeviceScene {
     }
 }
 
+/// Sun and environment that have passed the gate.
+struct Outside {
+    sun: Option<Sun>,
+    environment: EnvironmentTable,
+    warnings: Vec<String>,
+}
+
+impl Outside {
+    fn check(sun: Option<&Sun>, environment: &Environment) -> Result<Self, DeviceSceneError> {
+        let mut warnings = Vec::new();
+        let sun = sun.map(scene::sun).transpose();
+        let sun = sun.map_err(DeviceSceneError::View)?;
+        let environment = scene::environment(environment, &mut warnings);
+        let environment = environment.map_err(DeviceSceneError::View)?;
+        Ok(Self {
+            sun,
+            environment: EnvironmentTable::build(&environment),
+            warnings,
+        })
+    }
+}
+
+fn check_origin(origin: DVec3) -> Result<(), DeviceSceneError> {
+    if origin.is_finite() {
+        return Ok(());
+    }
+    Err(DeviceSceneError::View(SceneDataError::Value {
+        element: "the floating origin".to_owned(),
+        what: "position".to_owned(),
+        value: origin.to_string(),
+        expected: "finite",
+    }))
+}
+
+fn check_pose(scene: &Scene, pose: &Pose) -> Result<(), DeviceSceneError> {
+    let (found, expected) = (pose.world.len(), scene.nodes.len());
+    if found == expected {
+        return Ok(());
+    }
+    Err(DeviceSceneError::Pose { found, expected })
+}
+
 /// Whether any mesh that is drawn emits light.
 fn shines(scene: &Scene) -> bool {
     let meshes = scene.nodes.iter().flat_map(|node| &node.meshes);
-    let mut materials = meshes.map(|&mesh| scene.meshes[mesh as usize].material);
-    materials.any(|material| scene.materials[material as usize].emission != Vec3::ZERO)
+    let mut materials = meshes.filter_map(|&mesh| {
+        let mesh = scene.meshes.get(mesh as usize)?;
+        scene.materials.get(mesh.material as usize)
+    });
+    materials.any(|material| material.emission != Vec3::ZERO)
 }
 
 /// A world transform relative to the floating origin.

@@ -92,6 +92,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.depth = !other.depth,
         )?,
         setting(
+            "ray guiding",
+            settings.guiding,
+            format!(
+                "the setting guiding = {}",
+                if settings.guiding { "on" } else { "off" }
+            ),
+            &|other| other.guiding = !other.guiding,
+        )?,
+        setting(
             "paths beyond a hit",
             paths > 0,
             format!("the setting continuations = {paths}"),

@@ -26,6 +26,10 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub clamp: bool,
     /// See [`Settings::all`].
+    pub steering: bool,
+    /// See [`Settings::all`].
+    pub guiding: bool,
+    /// See [`Settings::all`].
     pub emitters: bool,
     /// See [`Settings::all`].
     pub lights: u32,
@@ -54,6 +58,8 @@ impl Default for Settings {
             depth: true,
             depth_blend: 0.05,
             clamp: false,
+            steering: true,
+            guiding: false,
             emitters: true,
             lights: 4,
             continuations: 8,
@@ -182,6 +188,8 @@ settings! {
     depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
     depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
+    steering: bool, "", 0.0, 1.0, "give rays to surfels by how uncertain they are; else alike";
+    guiding: bool, "", 0.0, 1.0, "draw rays by what each surfel has learned about where light comes from";
     emitters: bool, "", 0.0, 1.0, "send a share of the rays to emissive triangles";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
@@ -251,6 +259,7 @@ impl Settings {
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
             tile: self.tile_in(size),
+            steered: u32::from(self.steering),
             ..SurfelSettings::default()
         }
     }

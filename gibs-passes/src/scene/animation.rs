@@ -1,5 +1,5 @@
 //! Animation clips: keyframes per node.
-use super::NodeId;
+use super::{NodeId, unit_rotation};
 use glam::{DQuat, DVec3, DVec4};
 
 /// One clip.
@@ -26,10 +26,11 @@ pub struct Channel {
 
 /// Values of a channel.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Keyframes {
     /// Translations, metres.
     Translation(Vec<DVec3>),
-    /// Unit quaternions.
+    /// Quaternions of any length; see [`super::LocalTransform::Parts`].
     Rotation(Vec<DQuat>),
     /// Scales.
     Scale(Vec<DVec3>),
@@ -37,6 +38,7 @@ pub enum Keyframes {
 
 /// Interpolation between keyframes (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Interpolation {
     /// Straight line; great circle for rotations.
     #[default]
@@ -113,10 +115,15 @@ impl Channel {
     fn rotation(&self, values: &[DQuat], span: Span) -> Option<DQuat> {
         let Span { from, to, t, .. } = span;
         Some(match self.interpolation {
-            Interpolation::Step => *values.get(from)?,
-            Interpolation::Linear => slerp(*values.get(from)?, *values.get(to)?, t),
+            Interpolation::Step => unit_rotation(*values.get(from)?),
+            Interpolation::Linear => slerp(
+                unit_rotation(*values.get(from)?),
+                unit_rotation(*values.get(to)?),
+                t,
+            ),
             Interpolation::CubicSpline => {
                 let [p0, m0, m1, p1] = spline_points(values, span)?;
+                let (p0, p1) = (unit_rotation(p0), unit_rotation(p1));
                 let [h0, h1, h2, h3] = hermite(span);
                 let sum = DVec4::from(p0) * h0
                     + DVec4::from(m0) * h1

@@ -17,8 +17,22 @@ pub struct Light {
 /// million radiances, which must still fit an `f32`.
 pub const MOST_RADIANCE: f32 = 1e13;
 
+/// What an infinite radiance of an image becomes: the largest number of half precision, as in most files.
+const LARGEST_TEXEL: f32 = 65_504.0;
+
+/// The nearest radiance that a sky may have, for texels of images: negative ones and those that are not numbers become
+/// 0, infinite ones 65504, the largest number of half precision; nothing exceeds [`MOST_RADIANCE`].
+pub fn clamp_radiance(texel: Vec3) -> Vec3 {
+    texel.map(|channel| match channel {
+        v if v.is_nan() || v < 0.0 => 0.0,
+        f32::INFINITY => LARGEST_TEXEL,
+        v => v.min(MOST_RADIANCE),
+    })
+}
+
 /// Shape of a punctual light.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LightKind {
     /// From infinitely far.
     Directional,
@@ -36,7 +50,7 @@ pub enum LightKind {
 /// The sun of a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
-    /// Direction in which its light travels, of unit length.
+    /// Direction in which its light travels, of any length but zero.
     pub direction: DVec3,
     /// W/m^2 on a surface that faces it.
     pub irradiance: Vec3,
@@ -44,6 +58,7 @@ pub struct Sun {
 
 /// What a ray sees that leaves the scene.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Environment {
     /// The same radiance from everywhere, W/(m^2 sr).
     Constant(Vec3),
@@ -65,7 +80,8 @@ pub struct EnvironmentMap {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// `width * height` radiances, scale already applied, W/(m^2 sr).
+    /// `width * height` radiances, scale already applied, W/(m^2 sr). Those that are negative, not finite or above
+    /// [`MOST_RADIANCE`] are clamped on the way to the device, with a warning.
     pub texels: Vec<Vec3>,
     /// Rotation of the map about +y, radians.
     pub rotation_y: f64,

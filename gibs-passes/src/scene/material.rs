@@ -3,6 +3,7 @@ use glam::{Affine2, Vec3};
 
 /// How alpha acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
@@ -18,7 +19,7 @@ pub enum AlphaMode {
 pub struct Material {
     /// Name for reports; may be empty.
     pub name: String,
-    /// Linear base colour factor (albedo).
+    /// Linear base colour factor (albedo), 0..1.
     pub base_color: Vec3,
     /// Alpha factor, multiplied with the texture's alpha.
     pub alpha: f32,
@@ -76,6 +77,7 @@ pub struct Sampler {
 
 /// What lies outside the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Wrap {
     /// The texture again.
     #[default]

@@ -11,7 +11,7 @@ pub struct Mesh {
     pub name: String,
     /// Vertex positions, in metres.
     pub positions: Vec<Vec3>,
-    /// Unit vertex normals; may be empty.
+    /// Vertex normals, of any length but zero; may be empty.
     pub normals: Vec<Vec3>,
     /// Texture coordinates of the base colour, before the material's texture transform; may be empty.
     pub uvs: Vec<Vec2>,
@@ -23,9 +23,9 @@ pub struct Mesh {
     pub material: u32,
 }
 
-/// The bones that move one vertex. Weights sum to one.
+/// The bones that move one vertex, each by its share of the sum of the weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkinVertex {
-    /// `(index into Skin::joints, weight)`, all weights above zero.
+    /// `(index into Skin::joints, weight)`; no weight is negative, and one is above zero.
     pub weights: Vec<(u16, f32)>,
 }

@@ -15,13 +15,16 @@ mod validate;
 
 pub use animation::{Animation, Channel, Interpolation, Keyframes, Sample};
 pub use camera::Camera;
-pub use light::{Environment, EnvironmentMap, Light, LightKind, MOST_RADIANCE, Sun};
+pub use light::{
+    Environment, EnvironmentMap, Light, LightKind, MOST_RADIANCE, Sun, clamp_radiance,
+};
 pub use material::{AlphaMode, Material, Sampler, Texture, TextureRef, Wrap};
 pub use mesh::{Mesh, SkinVertex};
 pub use pose::Pose;
 pub use skinning::SkinnedMesh;
+pub(crate) use skinning::posed;
 pub use validate::SceneDataError;
-pub(crate) use validate::label;
+pub(crate) use validate::{Lighting, Sound, environment, label, sun};
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -35,7 +38,7 @@ pub struct Scene {
     pub name: String,
     /// Triangle meshes. A glTF primitive is one mesh here.
     pub meshes: Vec<Mesh>,
-    /// Materials that [`Mesh::material`] indexes. Never empty after [`Scene::validate`].
+    /// Materials that [`Mesh::material`] indexes. Without any, all meshes have a white one, of index 0.
     pub materials: Vec<Material>,
     /// Decoded images.
     pub textures: Vec<Texture>,
@@ -68,12 +71,13 @@ pub struct Node {
 
 /// Transform of a node to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum LocalTransform {
     /// Separate parts, which clips may animate.
     Parts {
         /// Translation, in metres.
         translation: DVec3,
-        /// Rotation, of unit length.
+        /// Rotation; its length counts for nothing, and without any it is no rotation.
         rotation: DQuat,
         /// Scale per axis; may be negative.
         scale: DVec3,
@@ -97,9 +101,29 @@ impl LocalTransform {
                 translation,
                 rotation,
                 scale,
-            } => DAffine3::from_scale_rotation_translation(scale, rotation, translation),
+            } => {
+                let rotation = unit_rotation(rotation);
+                DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+            }
             Self::Affine(affine) => affine,
         }
+    }
+}
+
+/// Whether a rotation is longer than any rounding of a unit quaternion, and safe to divide by.
+fn has_length(rotation: DQuat) -> bool {
+    let length = rotation.length();
+    length.is_finite() && length > 1e-30
+}
+
+/// The rotation at unit length: as it is where that is so within rounding, none at all where it has no length.
+fn unit_rotation(rotation: DQuat) -> DQuat {
+    if (rotation.length() - 1.0).abs() <= 1e-12 {
+        rotation
+    } else if has_length(rotation) {
+        rotation / rotation.length()
+    } else {
+        DQuat::IDENTITY
     }
 }
 

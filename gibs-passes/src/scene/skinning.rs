@@ -25,17 +25,25 @@ impl Scene {
     /// and the node's own transform does not count (glTF 2.0, 3.7.3.3); without one, or where the mesh has no weights,
     /// it is the node's transform. Normals go through the inverse transpose. Blending is in f64.
     ///
-    /// # Panics
-    /// If `node` or `mesh` is out of range, `pose` is another scene's, or the scene does not pass
-    /// [`Scene::validate`].
+    /// In a scene that does not pass [`Scene::validate`], a mesh that does not exist has no vertices, and a node or joint
+    /// that does not exist moves nothing.
     pub fn skinned_positions(&self, pose: &Pose, node: NodeId, mesh: u32) -> SkinnedMesh {
-        let drawn = &self.meshes[mesh as usize];
-        let skin = self.nodes[node as usize]
-            .skin
-            .map(|skin| &self.skins[skin as usize]);
-        match skin {
-            Some(skin) if !drawn.skin.is_empty() => skinned(drawn, skin, pose),
-            _ => rigid(drawn, pose.world[node as usize], node),
+        let Some(mesh) = self.meshes.get(mesh as usize) else {
+            return SkinnedMesh::default();
+        };
+        let skin = self.nodes.get(node as usize).and_then(|node| node.skin);
+        let skin = skin.and_then(|skin| self.skins.get(skin as usize));
+        posed(mesh, skin, pose, node)
+    }
+}
+
+/// As [`Scene::skinned_positions`], of a mesh that `node` draws with this skin.
+pub(crate) fn posed(mesh: &Mesh, skin: Option<&Skin>, pose: &Pose, node: NodeId) -> SkinnedMesh {
+    match skin {
+        Some(skin) if !mesh.skin.is_empty() => skinned(mesh, skin, pose, node),
+        _ => {
+            let world = pose.world.get(node as usize);
+            rigid(mesh, world.copied().unwrap_or(DAffine3::IDENTITY), node)
         }
     }
 }
@@ -59,46 +67,49 @@ fn rigid(mesh: &Mesh, world: DAffine3, node: NodeId) -> SkinnedMesh {
     }
 }
 
-fn skinned(mesh: &Mesh, skin: &Skin, pose: &Pose) -> SkinnedMesh {
+fn skinned(mesh: &Mesh, skin: &Skin, pose: &Pose, node: NodeId) -> SkinnedMesh {
+    let world = |joint: NodeId| pose.world.get(joint as usize);
     let joints: Vec<DAffine3> = skin
         .joints
         .iter()
         .zip(&skin.inverse_bind)
-        .map(|(&joint, &inverse_bind)| pose.world[joint as usize] * inverse_bind)
+        .map(|(&joint, &bind)| world(joint).map_or(DAffine3::IDENTITY, |&world| world * bind))
         .collect();
     let mut out = SkinnedMesh {
-        positions: vec![DVec3::ZERO; mesh.positions.len()],
+        positions: mesh.positions.iter().map(|p| p.as_dvec3()).collect(),
         normals: mesh.normals.clone(),
-        dominant_joint: vec![0; mesh.positions.len()],
+        dominant_joint: vec![node; mesh.positions.len()],
     };
     out.positions
         .par_iter_mut()
         .with_min_len(GRAIN)
         .zip(&mut out.dominant_joint)
-        .enumerate()
-        .for_each(|(i, (position, joint))| {
-            let matrix = blend(&joints, &mesh.skin[i].weights);
-            *position = matrix.transform_point3(mesh.positions[i].as_dvec3());
-            *joint = skin.joints[dominant(&mesh.skin[i].weights)];
+        .zip(&mesh.skin)
+        .for_each(|((position, joint), vertex)| {
+            *position = blend(&joints, &vertex.weights).transform_point3(*position);
+            let followed = skin.joints.get(dominant(&vertex.weights));
+            *joint = followed.copied().unwrap_or(node);
         });
     out.normals
         .par_iter_mut()
         .with_min_len(GRAIN)
-        .enumerate()
-        .for_each(|(i, normal)| {
-            *normal = map_normal(
-                normal_map(blend(&joints, &mesh.skin[i].weights).matrix3),
-                *normal,
-            );
+        .zip(&mesh.skin)
+        .for_each(|(normal, vertex)| {
+            let map = normal_map(blend(&joints, &vertex.weights).matrix3);
+            *normal = map_normal(map, *normal);
         });
     out
 }
 
-/// Weighted sum of joint transforms.
+/// Weighted mean of joint transforms; the first joint's without weights.
 fn blend(joints: &[DAffine3], weights: &[(u16, f32)]) -> DAffine3 {
+    let at = |joint: u16| {
+        let joint = joints.get(usize::from(joint));
+        joint.copied().unwrap_or(DAffine3::IDENTITY)
+    };
     // One joint is the common case of rigid parts, and stays exact this way.
     if let [(joint, _)] = weights {
-        return joints[usize::from(*joint)];
+        return at(*joint);
     }
     let mut sum = DAffine3 {
         matrix3: DMat3::ZERO,
@@ -106,10 +117,13 @@ fn blend(joints: &[DAffine3], weights: &[(u16, f32)]) -> DAffine3 {
     };
     let mut total = 0.0;
     for &(joint, weight) in weights {
-        let (matrix, weight) = (joints[usize::from(joint)], f64::from(weight));
+        let (matrix, weight) = (at(joint), f64::from(weight));
         sum.matrix3 += matrix.matrix3 * weight;
         sum.translation += matrix.translation * weight;
         total += weight;
+    }
+    if total <= 0.0 {
+        return at(0);
     }
     // f32 weights sum to one only within rounding; far from the origin the rest would show.
     sum.matrix3 *= total.recip();

@@ -1,16 +1,24 @@
 //! The gate that every scene passes before use: whatever comes after may index without checking.
 //!
 //! What breaks a promise of the scene types is an error; what has an obvious repair is repaired with one warning.
+//! [`Scene::validate`] repairs a scene in place, for loaders. [`Scene::sound`] looks at a scene that it may not change,
+//! and copies what it has to repair: every [`crate::device::DeviceScene`] is made from what it returns.
 mod hierarchy;
 mod mesh;
 mod motion;
+mod outside;
 mod surface;
 
-use super::{MOST_RADIANCE, Material, Scene};
+pub(crate) use outside::{environment, sun};
+
+use super::{Light, MOST_RADIANCE, Material, Mesh, Node, Scene, Skin, Texture};
 use glam::{DVec3, Vec3};
+use mesh::Blemishes;
+use std::borrow::Cow;
 
 /// What is wrong with a scene. The text names the element, the value and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneDataError {
     /// An index points past the end of its list.
     #[error(
@@ -62,31 +70,170 @@ pub enum SceneDataError {
     },
 }
 
+/// A scene that has passed the gate, with copies of what had to be repaired.
+pub(crate) struct Sound<'a> {
+    pub nodes: &'a [Node],
+    pub skins: &'a [Skin],
+    pub textures: &'a [Texture],
+    pub materials: Cow<'a, [Material]>,
+    pub meshes: Vec<Cow<'a, Mesh>>,
+    pub lighting: Lighting<'a>,
+    /// What was repaired, but for the lights.
+    pub warnings: Vec<String>,
+}
+
+/// Lights that have passed the gate.
+pub(crate) struct Lighting<'a> {
+    pub lights: Cow<'a, [Light]>,
+    /// What was repaired in them.
+    pub warnings: Vec<String>,
+}
+
+/// What there is to repair, with what goes in place of it, and a warning for each kind of repair.
+struct Findings {
+    materials: Vec<(usize, Material)>,
+    meshes: Vec<(usize, Blemishes)>,
+    lights: Vec<(usize, Light)>,
+    warnings: Vec<String>,
+    light_warnings: Vec<String>,
+}
+
 impl Scene {
     /// Checks every promise of the scene's types and repairs what has an obvious repair; returns one warning per kind
     /// of repair. A second call on the result changes nothing and returns no warning.
     ///
-    /// Repairs: without materials a white one is added; triangles without area are dropped; missing normals, rotations
-    /// and skin weights are filled in; factors and cone angles are clamped to their range; normals, rotations and
-    /// weights are made unit (silently, since rounding alone needs that).
+    /// Repairs: without materials a white one is added (silently); triangles without area are dropped; missing normals,
+    /// rotations and skin weights are filled in; texture coordinates that are not finite become zero; factors and cone
+    /// angles are clamped to their range; normals, rotations and weights are made unit (silently, since rounding alone
+    /// needs that).
+    ///
+    /// A scene that was built in memory need not be validated: the gate to the device does the same to a copy of what
+    /// needs it, each time. To call this once saves those copies.
     ///
     /// # Errors
     /// An index out of range, arrays whose lengths disagree, a number that is not finite or has no meaning (a negative
-    /// light, say), a parent after its child. The scene may then be repaired in part.
+    /// light, say), a parent after its child. The scene then is as it was.
     pub fn validate(&mut self) -> Result<Vec<String>, SceneDataError> {
-        let mut warnings = Vec::new();
+        let found = self.check()?;
         if self.materials.is_empty() {
             self.materials.push(Material::default());
         }
-        surface::textures(&self.textures)?;
-        surface::materials(&mut self.materials, self.textures.len(), &mut warnings)?;
-        mesh::meshes(&mut self.meshes, self.materials.len(), &mut warnings)?;
-        hierarchy::nodes(&mut self.nodes, &self.meshes, &self.skins, &mut warnings)?;
-        hierarchy::skins(&self.skins, self.nodes.len())?;
-        motion::animations(&mut self.animations, self.nodes.len(), &mut warnings)?;
-        surface::lights(&mut self.lights, self.nodes.len(), &mut warnings)?;
-        hierarchy::cameras(&self.cameras, self.nodes.len())?;
+        put(&mut self.materials, found.materials);
+        put(&mut self.lights, found.lights);
+        for (i, blemishes) in found.meshes {
+            mesh::repair(&mut self.meshes[i], blemishes);
+        }
+        mesh::make_unit(&mut self.meshes);
+        hierarchy::make_unit(&mut self.nodes);
+        motion::make_unit(&mut self.animations);
+        let mut warnings = found.warnings;
+        warnings.extend(found.light_warnings);
         Ok(warnings)
+    }
+
+    /// The scene as [`Scene::validate`] would leave it, but for what is made unit in silence: all users of normals,
+    /// rotations and weights take them at any length.
+    ///
+    /// # Errors
+    /// As [`Scene::validate`].
+    pub(crate) fn sound(&self) -> Result<Sound<'_>, SceneDataError> {
+        let found = self.check()?;
+        let mut materials = Cow::Borrowed(&self.materials[..]);
+        if materials.is_empty() {
+            materials.to_mut().push(Material::default());
+        }
+        replace(&mut materials, found.materials);
+        let mut lights = Cow::Borrowed(&self.lights[..]);
+        replace(&mut lights, found.lights);
+        let mut meshes: Vec<_> = self.meshes.iter().map(Cow::Borrowed).collect();
+        for (i, blemishes) in found.meshes {
+            mesh::repair(meshes[i].to_mut(), blemishes);
+        }
+        Ok(Sound {
+            nodes: &self.nodes,
+            skins: &self.skins,
+            textures: &self.textures,
+            materials,
+            meshes,
+            lighting: Lighting {
+                lights,
+                warnings: found.light_warnings,
+            },
+            warnings: found.warnings,
+        })
+    }
+
+    /// The lights alone, with the nodes and clips that place them and the emission of what the nodes draw. Vertices are
+    /// not looked at, so that this takes no time worth speaking of.
+    ///
+    /// # Errors
+    /// As [`Scene::validate`].
+    pub(crate) fn sound_lighting(&self) -> Result<Lighting<'_>, SceneDataError> {
+        let mut unused = Vec::new();
+        self.check_materials(&mut unused)?;
+        mesh::materials_exist(&self.meshes, self.material_count())?;
+        hierarchy::nodes(
+            &self.nodes,
+            self.meshes.len(),
+            self.skins.len(),
+            &mut unused,
+        )?;
+        motion::animations(&self.animations, self.nodes.len(), &mut unused)?;
+        let mut warnings = Vec::new();
+        let repaired = surface::lights(&self.lights, self.nodes.len(), &mut warnings)?;
+        let mut lights = Cow::Borrowed(&self.lights[..]);
+        replace(&mut lights, repaired);
+        Ok(Lighting { lights, warnings })
+    }
+
+    fn check(&self) -> Result<Findings, SceneDataError> {
+        let (mut warnings, mut light_warnings) = (Vec::new(), Vec::new());
+        surface::textures(&self.textures)?;
+        let materials = self.check_materials(&mut warnings)?;
+        let meshes = mesh::meshes(&self.meshes, self.material_count(), &mut warnings)?;
+        hierarchy::nodes(
+            &self.nodes,
+            self.meshes.len(),
+            self.skins.len(),
+            &mut warnings,
+        )?;
+        hierarchy::joints(&self.nodes, &self.meshes, &self.skins)?;
+        hierarchy::skins(&self.skins, self.nodes.len())?;
+        motion::animations(&self.animations, self.nodes.len(), &mut warnings)?;
+        let lights = surface::lights(&self.lights, self.nodes.len(), &mut light_warnings)?;
+        hierarchy::cameras(&self.cameras, self.nodes.len())?;
+        Ok(Findings {
+            materials,
+            meshes,
+            lights,
+            warnings,
+            light_warnings,
+        })
+    }
+
+    fn check_materials(
+        &self,
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<(usize, Material)>, SceneDataError> {
+        surface::materials(&self.materials, self.textures.len(), warnings)
+    }
+
+    /// With the white one that a scene without materials gets.
+    fn material_count(&self) -> usize {
+        self.materials.len().max(1)
+    }
+}
+
+fn put<T>(list: &mut [T], repaired: Vec<(usize, T)>) {
+    for (i, value) in repaired {
+        list[i] = value;
+    }
+}
+
+/// As [`put`], without a copy where there is nothing to put.
+fn replace<T: Clone>(list: &mut Cow<'_, [T]>, repaired: Vec<(usize, T)>) {
+    if !repaired.is_empty() {
+        put(list.to_mut(), repaired);
     }
 }
 

@@ -97,22 +97,22 @@ mod tests {
             (
                 "finite",
                 |d, n, f| f / (f - n) - n * f / (f - n) / d,
-                HostGbuffer::perspective(n, Some(f), false),
+                HostGbuffer::perspective(n, Some(f), false).expect("planes"),
             ),
             (
                 "finite, reversed",
                 |d, n, f| -n / (f - n) + n * f / (f - n) / d,
-                HostGbuffer::perspective(n, Some(f), true),
+                HostGbuffer::perspective(n, Some(f), true).expect("planes"),
             ),
             (
                 "infinite",
                 |d, n, _| 1.0 - n / d,
-                HostGbuffer::perspective(n, None, false),
+                HostGbuffer::perspective(n, None, false).expect("planes"),
             ),
             (
                 "infinite, reversed",
                 |d, n, _| n / d,
-                HostGbuffer::perspective(n, None, true),
+                HostGbuffer::perspective(n, None, true).expect("planes"),
             ),
         ];
         for (name, project, host) in cases {
@@ -133,7 +133,7 @@ mod tests {
         let n = Vec3::new(0.36, -0.48, 0.8);
         let host = |normals| HostGbuffer {
             normals,
-            ..HostGbuffer::perspective(0.1, None, true)
+            ..HostGbuffer::perspective(0.1, None, true).expect("planes")
         };
         assert!(normal(n.extend(0.0) * 3.0, &host(NORMALS_SIGNED)).distance(n) < 1e-6);
         let unsigned = (n * 0.5 + 0.5).extend(1.0);

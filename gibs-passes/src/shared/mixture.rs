@@ -24,8 +24,29 @@ pub fn goes_to_emitter(index: u32, shift: u32) -> bool {
 /// Density of the rays over the lobe at this cosine, 1/sr, with or without emitters to share with.
 #[inline]
 pub fn lobe_density(cosine: f32, emitters: bool) -> f32 {
+    // One constant, because compilers join two.
+    let scale = if emitters {
+        FRAC_1_PI * (1.0 - TO_EMITTERS)
+    } else {
+        FRAC_1_PI
+    };
+    cosine.max(0.0) * scale
+}
+
+/// The density of the lobe where `guided` of its rays follow a guide with density `guide` there.
+#[inline]
+pub fn guided_density(cosine: f32, guide: f32, guided: f32, emitters: bool) -> f32 {
     let share = if emitters { 1.0 - TO_EMITTERS } else { 1.0 };
-    cosine.max(0.0) * FRAC_1_PI * share
+    let lobe = cosine.max(0.0) * FRAC_1_PI;
+    (lobe + (guide - lobe) * guided) * share
+}
+
+/// Whether ray `index` of a frame follows the guide, which `guided` of the rays do, by the sequence of the square root of
+/// two.
+#[inline]
+pub fn follows_guide(index: u32, shift: u32, guided: f32) -> bool {
+    let place = index.wrapping_mul(0x6a09_e667).wrapping_add(shift);
+    hash::unit(place) < guided
 }
 
 /// What a sample counts: the cosine lobe's density over that of the mixture. `lobe` is [`lobe_density`] there, `emitter`

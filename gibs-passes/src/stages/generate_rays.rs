@@ -1,8 +1,9 @@
-//! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1), and to emitters (L6).
+//! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1), by its guide (I6), and to emitters (L6).
 use crate::data::{
-    Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
+    Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose,
+    SurfelSettings,
 };
-use crate::shared::{hash, mixture, sampling};
+use crate::shared::{guide, hash, mixture, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
@@ -10,7 +11,8 @@ use glam::Vec3;
 stage! {
     /// Draws each surfel's rays with density `cos / pi` (GIBS, "Importance Sampling the BRDF") from its own shifted
     /// low-discrepancy sequence, which goes on from frame to frame. In a scene with emissive triangles, a share of them
-    /// goes to points on those, drawn by power.
+    /// goes to points on those, drawn by power. A surfel
+    /// whose guide has learned enough draws a share of the rest from it (GIBS, "Ray Guiding").
     pub stage GenerateRays {
         wgsl: gibs_shaders::stages::GENERATE_RAYS,
         workgroup: [64, 1, 1],
@@ -22,6 +24,7 @@ stage! {
             read irradiance: SurfelIrradiance,
             read offsets: u32,
             optional_read emitters: Emitter,
+            optional_read guides: SurfelGuide,
             write rays: Ray,
             write paths: Path,
         },
@@ -37,6 +40,27 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     );
 }
 
+/// A guide in use.
+struct Guide<'a> {
+    of: &'a SurfelGuide,
+    total: f32,
+    /// Of the rays that do not go to emitters.
+    share: f32,
+}
+
+impl<'a> Guide<'a> {
+    fn new(of: &'a SurfelGuide) -> Option<Self> {
+        let total = guide::total(of);
+        let share = guide::share(of, total);
+        (share > 0.0).then_some(Self { of, total, share })
+    }
+
+    fn density(&self, local: Vec3, cosine: f32, emitters: bool) -> f32 {
+        let density = guide::density(self.of, self.total, local);
+        mixture::guided_density(cosine, density, self.share, emitters)
+    }
+}
+
 #[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let emitters = !p.emitters.is_empty();
@@ -45,12 +69,46 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let pose = &p.poses[i];
         let surfel = hash::hash2(pose.identity, p.frame.seed);
         let shift = (hash::hash2(surfel, 0), hash::hash2(surfel, 1));
+        // Of a surfel without rays, the guide is that of the one that had the slot before.
+        let guide = match first < last && p.irradiance[i].samples > 0 {
+            true => p.guides.get(i).and_then(Guide::new),
+            false => None,
+        };
         for ray in first..last {
             let index = p.irradiance[i].samples + (ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
             let uv = sampling::r2(index, shift);
             let drawn = if emitters && mixture::goes_to_emitter(index, hash::hash2(surfel, 2)) {
-                mixture::to_emitter(&p.emitters, pose.position, pose.normal, uv, seed)
+                let drawn = mixture::to_emitter(&p.emitters, pose.position, pose.normal, uv, seed);
+                match &guide {
+                    Some(guide) if drawn.cosine > 0.0 => mixture::Drawn {
+                        density: -guide.density(
+                            sampling::to_local(drawn.direction, pose.normal),
+                            drawn.cosine,
+                            emitters,
+                        ),
+                        ..drawn
+                    },
+                    _ => drawn,
+                }
+            } else if let Some(guide) = &guide {
+                // Not of the sequence that goes on: the guide knows most where that has just been, and its next points are
+                // elsewhere. Each frame has one of its own.
+                let frame = hash::hash2(surfel, p.frame.number);
+                let own = (hash::hash2(frame, 1), hash::hash2(frame, 2));
+                let uv = sampling::r2(ray - first, own);
+                let follows =
+                    mixture::follows_guide(ray - first, hash::hash2(frame, 3), guide.share);
+                let local = match follows {
+                    true => guide::draw(guide.of, guide.total, uv),
+                    false => sampling::cosine_hemisphere(uv.0, uv.1),
+                };
+                mixture::Drawn {
+                    direction: sampling::to_world(local, pose.normal),
+                    t_max: f32::MAX,
+                    cosine: local.z,
+                    density: guide.density(local, local.z, emitters),
+                }
             } else {
                 mixture::over_the_lobe(pose.normal, uv, emitters)
             };

@@ -36,6 +36,7 @@ pub mod spawn_claim;
 pub mod spawn_commit;
 pub mod trace_any;
 pub mod trace_closest;
+pub mod update_guide;
 
 use gibs_graph::{KernelSource, Port, Stage};
 
@@ -97,5 +98,6 @@ pub fn all() -> Vec<StageInfo> {
         info::<spawn_commit::SpawnCommit>(),
         info::<trace_any::TraceAny>(),
         info::<trace_closest::TraceClosest>(),
+        info::<update_guide::UpdateGuide>(),
     ]
 }

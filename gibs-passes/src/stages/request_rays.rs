@@ -1,15 +1,21 @@
-//! `persistent/request_rays`: how many rays each surfel would like.
-use crate::data::{SurfelIrradiance, SurfelPose};
+//! `persistent/request_rays`: how many rays each surfel would like (I4).
+use crate::data::{Frame, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::requests;
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Requests rays for every live surfel; newly spawned ones ask for more (GIBS, "Global Ray Budget").
+    /// Requests rays for every live surfel, in units of the least: by how uncertain its irradiance is, how long no pixel
+    /// has seen it, and how new it is (GIBS, "Global Ray Budget").
     pub stage RequestRays {
         wgsl: gibs_shaders::stages::REQUEST_RAYS,
         workgroup: [64, 1, 1],
         ports: {
+            uniform frame: Frame,
+            uniform settings: SurfelSettings,
             read poses: SurfelPose,
+            read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
+            read unseen: u32,
             write requests: u32,
         },
         cpu: kernel,
@@ -17,19 +23,14 @@ stage! {
     }
 }
 
-/// Rays that a surfel integrates before it counts as settled.
-pub const FRESH: u32 = 128;
-/// Request of a fresh surfel, in units of a settled one's.
-pub const FRESH_REQUEST: u32 = 4;
-
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let request = if p.poses[i].radius <= 0.0 {
             0
-        } else if p.irradiance[i].samples < FRESH {
-            FRESH_REQUEST
         } else {
-            1
+            let age = p.frame.number - p.births[i].frame;
+            let steered = p.settings.steered != 0;
+            requests::request(&p.irradiance[i], age, p.unseen[i], steered)
         };
         p.requests.set(i, request);
     }

@@ -290,13 +290,7 @@ fn every_mismatch_is_reported() {
 }
 
 fn port(access: Access, element: Layout) -> Port {
-    Port {
-        name: "x",
-        access,
-        element,
-        image: None,
-        optional: false,
-    }
+    Port::new("x", access, element, None, false)
 }
 
 const U32: Layout = Layout::Scalar(Scalar::U32);
@@ -474,13 +468,7 @@ fn many(count: u32, space: &str, access: Access) -> Vec<String> {
         .map(|name| format!("_ = {name}[0];"))
         .collect::<String>();
     text += &format!("@compute @workgroup_size(64) fn main() {{ {sum} }}");
-    let port = |&name| Port {
-        name,
-        access,
-        element: Layout::Vector(Scalar::U32, 4),
-        image: None,
-        optional: false,
-    };
+    let port = |&name| Port::new(name, access, Layout::Vector(Scalar::U32, 4), None, false);
     check(text, &names.iter().map(port).collect::<Vec<_>>())
 }
 
@@ -571,13 +559,7 @@ fn image(ty: &str, body: &str, format: ImageFormat) -> Vec<String> {
     } else {
         Access::Sampled
     };
-    let port = Port {
-        name: "x",
-        access,
-        element: format.value(),
-        image: Some(format),
-        optional: false,
-    };
+    let port = Port::new("x", access, format.value(), Some(format), false);
     check(text, &[port])
 }
 
@@ -626,13 +608,7 @@ fn optional_ports_are_parts_of_the_kernel() {
              @compute @workgroup_size(64) fn main() {{ b[0] = a[0] + first(); }}"
         )
     };
-    let port = |name, access, optional| Port {
-        name,
-        access,
-        element: U32,
-        image: None,
-        optional,
-    };
+    let port = |name, access, optional| Port::new(name, access, U32, None, optional);
     let a = port("a", Access::Read, false);
     let x = port("x", Access::Read, true);
     let b = port("b", Access::Write, false);

@@ -80,6 +80,8 @@ struct Surfels {
     irradiance: Buffer<SurfelIrradiance>,
     /// Where depth functions guard against leaks.
     depths: Option<Buffer<SurfelDepth>>,
+    /// Where rays are guided.
+    guides: Option<Buffer<SurfelGuide>>,
     unseen: Buffer<u32>,
 }
 
@@ -89,15 +91,22 @@ struct SurfelStates {
     poses: State<SurfelPose>,
     irradiance: State<SurfelIrradiance>,
     depths: Option<State<SurfelDepth>>,
+    guides: Option<State<SurfelGuide>>,
     unseen: State<u32>,
 }
 
 impl Surfels {
-    fn declare(g: &mut Graph, capacity: u64, depth: bool) -> (SurfelStates, Self) {
+    fn declare(g: &mut Graph, settings: &Settings) -> (SurfelStates, Self) {
+        let capacity = u64::from(settings.surfels);
         let (births_state, births) = g.state("surfel_births", capacity, Initial::Zero);
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
-        let (depths_state, depths) = depth
+        let (guides_state, guides) = settings
+            .guiding
+            .then(|| g.state("surfel_guides", capacity, Initial::Zero))
+            .unzip();
+        let (depths_state, depths) = settings
+            .depth
             .then(|| {
                 // Where depth functions begin late, nothing is hidden at first.
                 let open = Initial::fill(SurfelDepth::OPEN);
@@ -111,6 +120,7 @@ impl Surfels {
                 poses: poses_state,
                 irradiance: irradiance_state,
                 depths: depths_state,
+                guides: guides_state,
                 unseen: unseen_state,
             },
             Self {
@@ -118,6 +128,7 @@ impl Surfels {
                 poses,
                 irradiance,
                 depths,
+                guides,
                 unseen,
             },
         )
@@ -129,6 +140,9 @@ impl Surfels {
         g.keep(states.irradiance, self.irradiance);
         if let (Some(state), Some(depths)) = (states.depths, self.depths) {
             g.keep(state, depths);
+        }
+        if let (Some(state), Some(guides)) = (states.guides, self.guides) {
+            g.keep(state, guides);
         }
         g.keep(states.unseen, self.unseen);
     }
@@ -157,7 +171,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let shape = g.input("grid", 1);
     let capacity = u64::from(settings.surfels);
     let per_point = settings.lights_per_point(sizes.lights());
-    let (states, surfels) = Surfels::declare(g, capacity, settings.depth);
+    let (states, surfels) = Surfels::declare(g, settings);
     let counters = g.state("surfel_counters", 1, Initial::Zero);
     let free_slots = g.state("surfel_free_slots", capacity, Initial::Sequence);
     let seen = screen::see(g, &scene, frame);

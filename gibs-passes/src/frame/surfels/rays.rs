@@ -21,8 +21,12 @@ pub(super) fn integrate_rays(
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
     let inputs = request_rays::Inputs {
+        frame: &scene.frame,
+        settings: device_settings,
         poses: &surfels.poses,
+        births: &surfels.births,
         irradiance: &surfels.irradiance,
+        unseen: &surfels.unseen,
         requests,
     };
     let requests = g
@@ -60,6 +64,7 @@ pub(super) fn integrate_rays(
             irradiance: &surfels.irradiance,
             offsets: &allocated.offsets,
             emitters,
+            guides: surfels.guides.as_ref(),
             rays,
             paths,
         },
@@ -72,7 +77,7 @@ pub(super) fn integrate_rays(
         rays: None,
         paths: generated.paths,
     };
-    let mut first_hits = None;
+    let (mut first_hits, mut first_paths) = (None, None);
     for depth in 0..=settings.continuations {
         let suffix = if depth == 0 {
             String::new()
@@ -119,20 +124,43 @@ pub(super) fn integrate_rays(
         );
         radiance = shaded.radiance;
         first_hits.get_or_insert(hits);
-        if depth == settings.continuations {
-            break;
+        let next = (depth < settings.continuations).then(|| {
+            continue_segment(
+                g,
+                depth,
+                &segment.args,
+                &batch,
+                &points,
+                &shaded.paths,
+                &shaded.goes_on,
+                emitters,
+            )
+        });
+        first_paths.get_or_insert(shaded.paths);
+        match next {
+            Some(next) => segment = next,
+            None => break,
         }
-        segment = continue_segment(
-            g,
-            depth,
-            &segment.args,
-            &batch,
-            &points,
-            &shaded.paths,
-            &shaded.goes_on,
-            emitters,
-        );
     }
+    let guides = match (surfels.guides, &first_paths) {
+        (Some(guides), Some(paths)) => {
+            let inputs = update_guide::Inputs {
+                frame: &scene.frame,
+                poses: &surfels.poses,
+                offsets: &allocated.offsets,
+                rays: &first_rays,
+                paths,
+                radiance: &radiance,
+                irradiance: &surfels.irradiance,
+                guides,
+            };
+            let label = "persistent/update_guide";
+            let updated =
+                g.add::<update_guide::UpdateGuide>(label, inputs, Dispatch::Elements(capacity));
+            Some(updated.guides)
+        }
+        (guides, _) => guides,
+    };
     let has_depth = surfels.depths.is_some();
     let integrated = g.add::<integrate::Integrate>(
         "persistent/integrate",
@@ -151,6 +179,7 @@ pub(super) fn integrate_rays(
     Surfels {
         irradiance: integrated.irradiance,
         depths: integrated.depths,
+        guides,
         ..surfels
     }
 }

@@ -89,6 +89,7 @@ pub(super) fn spawn_surfels(
         poses: written.poses,
         irradiance: written.irradiance,
         depths: written.depths,
+        guides: surfels.guides,
         unseen: written.unseen,
     };
     (surfels, counters)

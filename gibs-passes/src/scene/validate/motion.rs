@@ -1,19 +1,21 @@
 //! Checks of animation clips.
-use super::hierarchy::unit_rotation;
+use super::hierarchy::check_rotation;
 use super::{SceneDataError, Tally, bad_value, check_finite, check_index, label};
-use crate::scene::{Animation, Channel, Interpolation, Keyframes};
+use crate::scene::{Animation, Channel, Interpolation, Keyframes, unit_rotation};
 
 /// Keyframes in order, as many as their times ask for, finite, of nodes that exist.
 pub(super) fn animations(
-    animations: &mut [Animation],
+    animations: &[Animation],
     node_count: usize,
     warnings: &mut Vec<String>,
 ) -> Result<(), SceneDataError> {
     let mut unturned = Tally::default();
-    for (i, animation) in animations.iter_mut().enumerate() {
-        let clip = label("animation", i, &animation.name);
-        for (c, channel) in animation.channels.iter_mut().enumerate() {
-            let element = || format!("{clip}, channel {c}");
+    for (i, animation) in animations.iter().enumerate() {
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let element = || {
+                let clip = label("animation", i, &animation.name);
+                format!("{clip}, channel {c}")
+            };
             check_index(element, "node", channel.node, node_count)?;
             times(element, channel)?;
             unturned.add(values(element, channel)?, element);
@@ -72,33 +74,48 @@ fn times(element: impl Fn() -> String, channel: &Channel) -> Result<(), SceneDat
     Ok(())
 }
 
-/// Returns how many rotations had no length.
-fn values(element: impl Fn() -> String, channel: &mut Channel) -> Result<usize, SceneDataError> {
-    let mut replaced = 0;
-    match &mut channel.keyframes {
+/// Returns how many rotations have no length.
+fn values(element: impl Fn() -> String, channel: &Channel) -> Result<usize, SceneDataError> {
+    let mut unturned = 0;
+    match &channel.keyframes {
         Keyframes::Translation(values) | Keyframes::Scale(values) => {
             for (k, value) in values.iter().enumerate() {
-                check_finite(&element, &format!("value {k}"), *value)?;
+                if !value.is_finite() {
+                    check_finite(&element, &format!("value {k}"), *value)?;
+                }
             }
         }
         Keyframes::Rotation(values) => {
             let spline = channel.interpolation == Interpolation::CubicSpline;
-            for (k, value) in values.iter_mut().enumerate() {
-                // Tangents are differences, of any length.
-                if spline && k % 3 != 1 {
-                    if !value.is_finite() {
-                        return Err(bad_value(
-                            element(),
-                            format!("tangent {k}"),
-                            *value,
-                            "finite",
-                        ));
-                    }
-                } else {
-                    replaced += usize::from(!unit_rotation(&element, value)?);
+            for (k, value) in values.iter().enumerate() {
+                if !is_tangent(spline, k) {
+                    unturned += usize::from(!check_rotation(&element, *value)?);
+                } else if !value.is_finite() {
+                    let what = format!("tangent {k}");
+                    return Err(bad_value(element(), what, *value, "finite"));
                 }
             }
         }
     }
-    Ok(replaced)
+    Ok(unturned)
+}
+
+/// Tangents are differences, of any length.
+fn is_tangent(spline: bool, k: usize) -> bool {
+    spline && k % 3 != 1
+}
+
+/// Makes all rotations unit; those of no length become none.
+pub(super) fn make_unit(animations: &mut [Animation]) {
+    let channels = animations.iter_mut().flat_map(|clip| &mut clip.channels);
+    for channel in channels {
+        let spline = channel.interpolation == Interpolation::CubicSpline;
+        if let Keyframes::Rotation(values) = &mut channel.keyframes {
+            for (k, value) in values.iter_mut().enumerate() {
+                if !is_tangent(spline, k) {
+                    *value = unit_rotation(*value);
+                }
+            }
+        }
+    }
 }

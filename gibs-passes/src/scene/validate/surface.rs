@@ -4,10 +4,10 @@ use crate::scene::{AlphaMode, Light, LightKind, Material, Texture};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 
-/// Texel arrays match their sizes.
 /// Longest side of a texture: both sides share a word on the device, and texel indices stay within 31 bits.
 const MOST_TEXELS_ACROSS: u32 = 32_768;
 
+/// Texel arrays match their sizes.
 pub(super) fn textures(textures: &[Texture]) -> Result<(), SceneDataError> {
     for (i, texture) in textures.iter().enumerate() {
         if texture.width.max(texture.height) > MOST_TEXELS_ACROSS {
@@ -35,16 +35,16 @@ pub(super) fn textures(textures: &[Texture]) -> Result<(), SceneDataError> {
     Ok(())
 }
 
-/// Factors in range, textures there.
+/// Factors in range, textures there. Returns the materials that had to be clamped.
 pub(super) fn materials(
-    materials: &mut [Material],
+    materials: &[Material],
     texture_count: usize,
     warnings: &mut Vec<String>,
-) -> Result<(), SceneDataError> {
+) -> Result<Vec<(usize, Material)>, SceneDataError> {
     let mut clamped = Tally::default();
-    for (i, material) in materials.iter_mut().enumerate() {
-        let name = material.name.clone();
-        let element = || label("material", i, &name);
+    let mut repaired = Vec::new();
+    for (i, material) in materials.iter().enumerate() {
+        let element = || label("material", i, &material.name);
         for (what, value) in [
             ("alpha", material.alpha),
             ("transmission", material.transmission),
@@ -87,7 +87,14 @@ pub(super) fn materials(
             material.transmission.clamp(0.0, 1.0),
         );
         if factors != (material.base_color, material.alpha, material.transmission) {
-            (material.base_color, material.alpha, material.transmission) = factors;
+            let (base_color, alpha, transmission) = factors;
+            let within = Material {
+                base_color,
+                alpha,
+                transmission,
+                ..material.clone()
+            };
+            repaired.push((i, within));
             clamped.add(1, element);
         }
     }
@@ -97,22 +104,23 @@ pub(super) fn materials(
         "had a factor outside 0..1, which was clamped",
         warnings,
     );
-    Ok(())
+    Ok(repaired)
 }
 
-/// Lights that shine, from nodes that exist, through cones that open.
+/// Lights that shine, from nodes that exist, through cones that open. Returns the lights that had to be clamped.
 pub(super) fn lights(
-    lights: &mut [Light],
+    lights: &[Light],
     node_count: usize,
     warnings: &mut Vec<String>,
-) -> Result<(), SceneDataError> {
+) -> Result<Vec<(usize, Light)>, SceneDataError> {
     let mut clamped = Tally::default();
-    for (i, light) in lights.iter_mut().enumerate() {
+    let mut repaired = Vec::new();
+    for (i, light) in lights.iter().enumerate() {
         let element = || label("light", i, "");
         check_index(element, "node", light.node, node_count)?;
         check_radiance(element, "intensity", light.intensity)?;
-        if let LightKind::Spot { inner, outer } = &mut light.kind {
-            if !(inner.is_finite() && outer.is_finite() && *outer > 0.0) {
+        if let LightKind::Spot { inner, outer } = light.kind {
+            if !(inner.is_finite() && outer.is_finite() && outer > 0.0) {
                 let angles = format!("{inner} (inner) and {outer} (outer) radians");
                 return Err(bad_value(
                     element(),
@@ -124,8 +132,18 @@ pub(super) fn lights(
             let wide = outer.min(FRAC_PI_2);
             // The falloff divides by the difference of the two, so equal angles become a very narrow rim.
             let narrow = inner.clamp(0.0, wide * 0.999);
-            if (narrow, wide) != (*inner, *outer) {
-                (*inner, *outer) = (narrow, wide);
+            if (narrow, wide) != (inner, outer) {
+                let kind = LightKind::Spot {
+                    inner: narrow,
+                    outer: wide,
+                };
+                repaired.push((
+                    i,
+                    Light {
+                        kind,
+                        ..light.clone()
+                    },
+                ));
                 clamped.add(1, element);
             }
         }
@@ -136,5 +154,5 @@ pub(super) fn lights(
         "had angles outside 0 <= inner < outer <= 90 degrees, which were clamped",
         warnings,
     );
-    Ok(())
+    Ok(repaired)
 }

@@ -1,0 +1,134 @@
+//! Running one kernel.
+use crate::executable::CpuExecutable;
+use crate::order::shuffled;
+use gibs_graph::{
+    Access, BackendError, DispatchArgs, DispatchSize, DispatchStep, MAX_GROUPS, RawView, Workgroup,
+    WriteMap, unknown_step,
+};
+use rayon::prelude::*;
+
+impl CpuExecutable {
+    /// Number of workgroups along each axis, and in all.
+    fn groups(&self, label: &str, size: DispatchSize) -> Result<([u32; 3], u32), BackendError> {
+        let groups = match size {
+            DispatchSize::Groups(groups) => groups,
+            DispatchSize::Indirect(resource) => {
+                let home = self.schedule.resources[resource as usize].home;
+                let bytes = self.allocations[home as usize].current.bytes();
+                let args: DispatchArgs =
+                    gibs_graph::bytemuck::pod_read_unaligned(&bytes[..size_of::<DispatchArgs>()]);
+                [args.x, args.y, args.z]
+            }
+            _ => return Err(unknown_step(label)),
+        };
+        let total = groups
+            .iter()
+            .try_fold(1, |total: u32, &n| total.checked_mul(n));
+        match total {
+            _ if groups.contains(&0) => Ok((groups, 0)),
+            Some(total) if groups.iter().all(|&n| n <= MAX_GROUPS) => Ok((groups, total)),
+            _ => Err(BackendError::Kernel {
+                stage: label.into(),
+                message: format!(
+                    "{groups:?} workgroups were asked for; at most {MAX_GROUPS} along each axis and 2^32 - 1 in all \
+                     run everywhere; fold them in the stage that counts them"
+                ),
+            }),
+        }
+    }
+
+    pub(crate) fn dispatch(
+        &mut self,
+        label: &str,
+        dispatch: &DispatchStep,
+    ) -> Result<(), BackendError> {
+        let (count, total) = self.groups(label, dispatch.size)?;
+        let maps = self.maps(dispatch);
+        let mut bound_maps = maps.iter();
+        let mut views = emptied(std::mem::take(&mut self.views));
+        for binding in dispatch.slots() {
+            let Some(binding) = binding else {
+                views.push(RawView::absent());
+                continue;
+            };
+            let resource = &self.schedule.resources[binding.resource as usize];
+            let allocation = &mut self.allocations[resource.home as usize];
+            let memory = match (binding.access, &mut allocation.previous) {
+                (Access::Previous, Some(previous)) => previous,
+                _ => &mut allocation.current,
+            };
+            // SAFETY: the memory belongs to this executable, is initialized and aligned to cache lines, is not moved or
+            // touched otherwise until the kernels below have returned, and was borrowed mutably here; a resource is
+            // bound twice only where no port writes it, and resources that share memory are never bound together.
+            let view = unsafe {
+                RawView::new(
+                    memory.start(),
+                    resource.bytes as usize,
+                    binding.access,
+                    bound_maps.next().and_then(Option::as_ref),
+                )
+            };
+            views.push(match resource.image {
+                Some(image) => view.with_size(image.size),
+                None => view,
+            });
+        }
+        let kernel = match dispatch.kernel.cpu_wide {
+            Some(wide) if !self.shared.options.scalar => wide,
+            _ => dispatch.kernel.cpu,
+        };
+        let size = dispatch.kernel.workgroup;
+        let shuffle = self.shared.options.checked;
+        let run = |i: u32| {
+            let i = if shuffle { shuffled(i, total) } else { i };
+            let id = [
+                i % count[0],
+                i / count[0] % count[1],
+                i / count[0] / count[1],
+            ];
+            kernel(&views, Workgroup { id, count, size });
+        };
+        match total {
+            0 => {}
+            1 => run(0),
+            _ => {
+                // Enough pieces to balance, few enough that a piece is worth a thread's while.
+                let least = (total as usize / (self.shared.pool.current_num_threads() * 16)).max(1);
+                (0..total).into_par_iter().with_min_len(least).for_each(run);
+            }
+        }
+        self.views = emptied(views);
+        for (map, binding) in maps.iter().zip(&dispatch.bindings) {
+            if let Some(offset) = map.as_ref().and_then(WriteMap::conflict) {
+                return Err(BackendError::WriteConflict {
+                    stage: label.into(),
+                    port: binding.port.into(),
+                    offset: offset as u64,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// When checking, a map per binding that is written without atomics; otherwise nothing.
+    fn maps(&self, dispatch: &DispatchStep) -> Vec<Option<WriteMap>> {
+        if !self.shared.options.checked {
+            return Vec::new();
+        }
+        let bindings = dispatch.bindings.iter();
+        bindings
+            .map(|binding| {
+                let resource = &self.schedule.resources[binding.resource as usize];
+                let memory = self.allocations[resource.home as usize].current.bytes();
+                (binding.access.writes() && binding.access != Access::Atomic)
+                    .then(|| WriteMap::new(memory.as_ptr().addr(), resource.bytes as usize))
+            })
+            .collect()
+    }
+}
+
+/// The vector without its views, for views of another lifetime. Collecting reuses the allocation, so that a frame
+/// makes none.
+fn emptied<'a>(views: Vec<RawView<'_>>) -> Vec<RawView<'a>> {
+    views.into_iter().map_while(|_| None).collect()
+}
