@@ -2,20 +2,19 @@
 use crate::picture::{Picture, PictureError};
 use crate::renderer::RenderError;
 use crate::view::View;
-use gibs_graph::{BackendError, Element, Executable};
+use gibs_graph::{BackendError, Element, Executable, ResourceId, Schedule};
 use gibs_passes::data::SurfacePoint;
 use gibs_passes::shared::{octahedral, surface};
 use glam::{DVec3, Vec3};
 
-/// The elements of an output of a schedule.
+/// An output of a schedule, which has elements of this type.
 ///
 /// # Errors
 /// [`BackendError::Refused`] if there is no such output, or it has elements of another type.
-pub(crate) fn read_output<T: Element>(
-    exec: &mut dyn Executable,
+pub(crate) fn find_output<T: Element>(
+    schedule: &Schedule,
     name: &str,
-) -> Result<Vec<T>, RenderError> {
-    let schedule = exec.schedule();
+) -> Result<ResourceId, BackendError> {
     let refuse = |reason: String, remedy: String| BackendError::Refused {
         what: format!("output `{name}`"),
         reason,
@@ -24,13 +23,25 @@ pub(crate) fn read_output<T: Element>(
     let Some(resource) = schedule.output(name) else {
         let names: Vec<&str> = schedule.outputs.iter().map(|o| o.name.as_str()).collect();
         let reason = "the frame has none of this name".into();
-        return Err(refuse(reason, format!("it has {}", names.join(", "))).into());
+        return Err(refuse(reason, format!("it has {}", names.join(", "))));
     };
     let (has, wants) = (&schedule.resources[resource as usize].element, T::layout());
     if *has != wants {
         let reason = format!("its elements are `{has}`, not `{wants}`");
-        return Err(refuse(reason, "read it as what it is".into()).into());
+        return Err(refuse(reason, "read it as what it is".into()));
     }
+    Ok(resource)
+}
+
+/// The elements of an output of a schedule.
+///
+/// # Errors
+/// As [`find_output`], and what the executable says.
+pub(crate) fn read_output<T: Element>(
+    exec: &mut dyn Executable,
+    name: &str,
+) -> Result<Vec<T>, RenderError> {
+    let resource = find_output::<T>(exec.schedule(), name)?;
     let bytes = exec.read(resource)?;
     Ok(bytemuck::pod_collect_to_vec(&bytes))
 }

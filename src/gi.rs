@@ -266,7 +266,7 @@ impl Gi {
     ///
     /// # Errors
     /// [`RenderError::Host`], [`RenderError::Gbuffer`]; [`RenderError::View`] of a camera that has no picture;
-    /// [`RenderError::Executable`], [`RenderError::Backend`]. But for the last, nothing has been written then.
+    /// [`RenderError::Executable`]; [`RenderError::Backend`]. But for the last, nothing has been written then.
     pub fn begin_frame(
         &mut self,
         exec: &mut dyn Executable,

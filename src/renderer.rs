@@ -1,5 +1,5 @@
 //! Rendering a scene with the surfel frame.
-use crate::channels::{read_output, set, surface_channels};
+use crate::channels::{find_output, read_output, set, surface_channels};
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
 use crate::query::Irradiance;
@@ -57,9 +57,6 @@ pub enum RenderError {
         /// What is wrong.
         problem: &'static str,
     },
-    /// An engine's G-buffer cannot be read as it is described.
-    #[error(transparent)]
-    Gbuffer(#[from] HostGbufferError),
     /// An executable is not the one that a [`Gi`] prepared everything for.
     #[error(
         "the executable runs another schedule than `Gi::schedule`; pass the one that was prepared from this `Gi`'s \
@@ -84,6 +81,9 @@ pub enum RenderError {
         /// The output asked for.
         what: String,
     },
+    /// An engine's G-buffer cannot be read as it is described.
+    #[error(transparent)]
+    Gbuffer(#[from] HostGbufferError),
     /// Irradiance cannot be asked for like this.
     #[error("irradiance of {points} points with {normals} normals: {problem}")]
     Queries {
@@ -382,6 +382,7 @@ impl Renderer {
     /// [`RenderError::NoFrame`] before the first frame and between a change and the next one;
     /// [`BackendError::Refused`] if the frame has no such output, or its elements are of another type.
     pub fn output<T: Element>(&mut self, name: &str) -> Result<Vec<T>, RenderError> {
+        find_output::<T>(self.gi.schedule(), name)?;
         if !self.gi.has_begun() {
             return Err(RenderError::NoFrame { what: name.into() });
         }

@@ -144,6 +144,7 @@ fn stages_that_do_not_fit_are_refused() {
 #[test]
 fn outputs_that_are_not_there_are_refused() {
     let mut renderer = renderer(|g, frame| g.output("gathered", &frame.gathered)).expect("a frame");
+    renderer.frame().expect("runs");
     assert_eq!(renderer.output::<Vec4>("color").expect("there").len(), 64);
     let gathered = renderer.output::<gibs::passes::data::Gathered>("gathered");
     assert_eq!(gathered.expect("there").len(), 64);

@@ -97,16 +97,18 @@ impl Gi {
     ) -> Result<(), RenderError> {
         self.check(exec)?;
         let pose = scene.pose(&view.animation);
-        let has = &self.parts.lit.drawn;
-        if let Some(difference) = has.difference(scene, &pose) {
+        let schedule = Arc::clone(&self.schedule);
+        // Nobody else has it, so nothing of the geometry is copied.
+        let lit = Arc::make_mut(&mut self.parts.lit);
+        // First, because it names what is wrong with the scene itself.
+        let before = lit.relight(scene, &pose, view)?;
+        if let Some(difference) = lit.drawn.difference(scene, &pose) {
+            lit.restore(before);
             return Err(RenderError::Lights {
                 scene: scene.name.clone(),
                 difference,
             });
         }
-        let schedule = Arc::clone(&self.schedule);
-        // Nobody else has it, so nothing of the geometry is copied.
-        let before = Arc::make_mut(&mut self.parts.lit).relight(scene, &pose, view)?;
         let (lights, sky) = before.differs(&self.parts.lit);
         let parts = self.parts.clone();
         let changed = self.change(exec, parts, |key| match key {

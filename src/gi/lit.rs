@@ -5,7 +5,7 @@ use bytemuck::cast_slice;
 use gibs_passes::data::Light;
 use gibs_passes::device::{DeviceScene, EnvironmentTable};
 use gibs_passes::frame::SceneSizes;
-use gibs_passes::scene::{Environment, Pose, Scene};
+use gibs_passes::scene::{Environment, MOST_RADIANCE, Pose, Scene};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A scene in a pose, lit by a view.
@@ -14,8 +14,8 @@ pub(super) struct Lit {
     pub device: DeviceScene,
     pub sizes: SceneSizes,
     pub drawn: Drawn,
-    /// What the device's sky was made from: making it takes longer than a frame.
-    sky: Environment,
+    /// What the device's sky was made from, since making it takes longer than a frame; `None` where making it warns.
+    sky: Option<Environment>,
 }
 
 /// Light of a scene before it changed.
@@ -24,7 +24,7 @@ pub(super) struct Before {
     warnings: Vec<String>,
     sizes: SceneSizes,
     /// `None` where the sky is the same.
-    sky: Option<(EnvironmentTable, Environment)>,
+    sky: Option<(EnvironmentTable, Option<Environment>)>,
 }
 
 impl Lit {
@@ -33,16 +33,15 @@ impl Lit {
         Ok(Self {
             sizes: SceneSizes::of(&device),
             drawn: Drawn::of(scene, &scene.pose(&view.animation)),
-            sky: view.environment.clone(),
+            sky: sound(&view.environment),
             device,
         })
     }
 
-    /// Takes other lights, another sun or sky for the same geometry, and gives what there was. After an error all is as
-    /// it was.
+    /// Takes other lights, another sun or sky for the same geometry, and gives what there was.
     ///
     /// # Errors
-    /// As [`DeviceScene::relight`].
+    /// As [`DeviceScene::relight`]; nothing has changed then.
     pub fn relight(
         &mut self,
         scene: &Scene,
@@ -52,21 +51,25 @@ impl Lit {
         let device = &mut self.device;
         let (lights, warnings) = (device.lights.clone(), device.warnings.clone());
         let table = std::mem::take(&mut device.environment);
-        let stays = self.sky == view.environment;
-        // A sky that stays is not made again: one as dark or bright stands in for it.
+        let stays = self.sky.as_ref() == Some(&view.environment);
+        // As dark or bright as the sky that stays.
         let brightness = if table.is_black() { 0.0 } else { 1.0 };
         let alike = Environment::Constant(Vec3::splat(brightness));
-        let sky = if stays { &alike } else { &view.environment };
-        if let Err(source) = device.relight(scene, pose, view.sun.as_ref(), sky) {
+        let environment = if stays { &alike } else { &view.environment };
+        let lit = device.relight(scene, pose, view.sun.as_ref(), environment);
+        if let Err(error) = lit {
             device.environment = table;
-            return Err(refused(scene)(source));
+            return Err(refused(scene)(error));
         }
-        let sky = if stays {
-            device.environment = table;
-            None
-        } else {
-            let sky = std::mem::replace(&mut self.sky, view.environment.clone());
-            Some((table, sky))
+        let sky = match stays {
+            true => {
+                device.environment = table;
+                None
+            }
+            false => {
+                let before = std::mem::replace(&mut self.sky, sound(&view.environment));
+                Some((table, before))
+            }
         };
         let sizes = std::mem::replace(&mut self.sizes, SceneSizes::of(&self.device));
         Ok(Before {
@@ -115,6 +118,19 @@ impl Lit {
             _ => true,
         }
     }
+}
+
+/// An environment of which nothing has to be put right.
+fn sound(environment: &Environment) -> Option<Environment> {
+    let is_light = |texel: &Vec3| {
+        texel.cmpge(Vec3::ZERO).all() && texel.cmple(Vec3::splat(MOST_RADIANCE)).all()
+    };
+    let sound = match environment {
+        Environment::Constant(_) => true,
+        Environment::Map(map) => map.texels.iter().all(is_light),
+        _ => false,
+    };
+    sound.then(|| environment.clone())
 }
 
 impl Before {
