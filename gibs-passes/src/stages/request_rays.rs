@@ -28,7 +28,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let request = if p.poses[i].radius <= 0.0 {
             0
         } else {
-            let age = p.frame.number - p.births[i].frame;
+            let age = p.frame.number.wrapping_sub(p.births[i].frame);
             let steered = p.settings.steered != 0;
             requests::request(&p.irradiance[i], age, p.unseen[i], steered)
         };
