@@ -391,8 +391,9 @@ fn frames_take_of_the_heap_what_wgpu_takes() {
             assert!(taken.kept <= 0, "{taken:?}");
             assert!(taken.most - taken.least <= CHANNEL, "{taken:?}");
         }
-        assert!(recorded.least <= by_hand.least + SCOPES);
+        // A block of a channel may fall into either count.
+        assert!(recorded.least <= by_hand.least + SCOPES + CHANNEL);
         // One call that waits, and one that submits.
-        assert!(ran.least <= by_hand.least + 2 * SCOPES);
+        assert!(ran.least <= by_hand.least + 2 * SCOPES + CHANNEL);
     }
 }
