@@ -327,6 +327,31 @@ element! {
         inconsistency: f32,
     }
 
+    /// What a surfel says to those who look it up: its irradiance, improved by its neighbours' while it is uncertain.
+    pub struct SurfelLight {
+        /// Irradiance, W/m^2.
+        irradiance: Vec3,
+        /// How far to trust it as the light of further bounces, in `(0, 1]`; 0 before its first ray.
+        trust: f32,
+    }
+
+    /// What a surfel's neighbours say about its irradiance.
+    pub struct Neighbours {
+        /// Weighted mean of their irradiance, W/m^2.
+        mean: Vec3,
+        /// How far to trust that, see [`SurfelLight`]; 0 where there are no neighbours.
+        trust: f32,
+        /// Variance of the luminance that one ray brings, here and around, W^2/m^4.
+        ray_variance: f32,
+        /// Variance of the luminance between this surfel's irradiance and the mean, beyond what the surfel's own noise
+        /// makes, W^2/m^4.
+        spread: f32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+    }
+
     /// A surfel's depth function: 4x4 texels of the hemisphere, first and second moment of distance over the
     /// surfel's diameter, 16 bits each.
     pub struct SurfelDepth {

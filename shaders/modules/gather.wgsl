@@ -1,8 +1,8 @@
-// Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`,
-// `irradiance`, `births`, `frame`, `grid` and `settings`; `depths` only where the stage binds it.
+// Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`, `light`, `grid`
+// and `settings`; `depths` only where the stage binds it.
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff, lookup_trust};
+import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff};
 import package::types::{Gathered, SurfelPose};
 
 @if(depths)
@@ -25,13 +25,13 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         let pose = poses[id];
         let d = point - pose.position;
         var weight = lookup_falloff(d, pose) * lookup_alignment(normal, pose);
-        if weight <= 0.0 || irradiance[id].samples == 0u {
+        if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
         weight *= gather_share(id, pose, d);
-        g.irradiance += irradiance[id].mean * weight;
+        g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
-        g.confidence += weight * lookup_trust(frame.number - births[id].frame);
+        g.confidence += weight * light[id].trust;
     }
     if g.weight > 0.0 {
         g.confidence /= g.weight;
@@ -46,11 +46,11 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         let id = entries[cell.x + i];
         let pose = poses[id];
         var weight = lookup_alignment(normal, pose);
-        if weight <= 0.0 || irradiance[id].samples == 0u {
+        if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
         weight *= gather_share(id, pose, point - pose.position);
-        g.average += irradiance[id].mean * weight;
+        g.average += light[id].irradiance * weight;
         average_weight += weight;
     }
     g.average /= max(average_weight, LOOKUP_AVERAGE_LEAST);

@@ -51,9 +51,9 @@ fn lookup_chebyshev(m: vec2<f32>, t: f32) -> f32 {
     return tight * tight * tight;
 }
 
-/// How far to trust a surfel of an age in frames, 0 to 1.
+/// How far to trust a surfel that was born so many frames ago and has integrated rays, in `(0, 1]`.
 fn lookup_trust(age: u32) -> f32 {
-    return min(f32(age) / LOOKUP_TRUSTED_AFTER, 1.0);
+    return min((f32(age) + 1.0) / LOOKUP_TRUSTED_AFTER, 1.0);
 }
 
 /// Distance factor: `LOOKUP_PEAK` at the centre, 0 at the radius, smooth at both.

@@ -203,6 +203,20 @@ struct SurfelIrradiance {
     inconsistency: f32,
 }
 
+struct SurfelLight {
+    irradiance: vec3<f32>,
+    trust: f32,
+}
+
+struct Neighbours {
+    mean: vec3<f32>,
+    trust: f32,
+    ray_variance: f32,
+    spread: f32,
+    pad0: u32,
+    pad1: u32,
+}
+
 struct SurfelDepth {
     texels: array<u32, 16>,
 }

@@ -4,21 +4,19 @@ import package::invocation::invocation_index;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
 import package::types::{
-    DispatchArgs, Frame, Gathered, GridShape, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
+    DispatchArgs, Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
-@group(0) @binding(1) var<uniform> frame: Frame;
-@group(0) @binding(2) var<uniform> grid: GridShape;
-@group(0) @binding(3) var<uniform> settings: SurfelSettings;
-@group(0) @binding(4) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> entries: array<u32>;
-@group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(8) var<storage, read> births: array<SurfelBirth>;
-@group(0) @binding(9) var<storage, read> irradiance: array<SurfelIrradiance>;
-@if(depths) @group(0) @binding(10) var<storage, read> depths: array<SurfelDepth>;
-@group(0) @binding(11) var<storage, read_write> gathered: array<Gathered>;
+@group(0) @binding(1) var<uniform> grid: GridShape;
+@group(0) @binding(2) var<uniform> settings: SurfelSettings;
+@group(0) @binding(3) var<storage, read> points: array<SurfacePoint>;
+@group(0) @binding(4) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(5) var<storage, read> entries: array<u32>;
+@group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(7) var<storage, read> light: array<SurfelLight>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@group(0) @binding(9) var<storage, read_write> gathered: array<Gathered>;
 
 @compute @workgroup_size(64)
 fn main(

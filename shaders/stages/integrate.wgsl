@@ -1,49 +1,31 @@
-// Rays into irradiance and depth function of the surfels that they began on.
+// Rays into the irradiance of the surfels that they began on, and what the surfels say.
 import package::estimator::estimator_update;
 import package::invocation::invocation_index;
-import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_moments, lookup_pack_moments};
-import package::octahedral::octahedral_hemisphere_encode;
-import package::sampling::sampling_to_local;
-import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+import package::sharing::sharing_light;
+import package::types::{
+    Frame, Neighbours, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
+};
 
-@group(0) @binding(0) var<uniform> settings: SurfelSettings;
-@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(2) var<storage, read> offsets: array<u32>;
-@if(rays) @group(0) @binding(3) var<storage, read> rays: array<Ray>;
-@if(hits) @group(0) @binding(4) var<storage, read> hits: array<Hit>;
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> settings: SurfelSettings;
+@group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(4) var<storage, read> offsets: array<u32>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@if(depths) @group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+@if(neighbours) @group(0) @binding(6) var<storage, read> neighbours: array<Neighbours>;
+@group(0) @binding(7) var<storage, read_write> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(8) var<storage, read_write> light: array<SurfelLight>;
 
 const PI: f32 = 3.1415927;
 
-/// Row or column of the depth function for a coordinate in `[0, 1]`.
-fn depth_index(x: f32) -> u32 {
-    return min(u32(max(x * f32(LOOKUP_DEPTH_SIDE), 0.0)), LOOKUP_DEPTH_SIDE - 1u);
-}
-
-/// Rays after which a texel's share of a new distance has halved from all.
-const DEPTH_SETTLES: f32 = 32.0;
-
-/// The distance of a ray into the depth function of its surfel, which has had `samples` before.
-@if(depths && rays && hits)
-fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
-    let diameter = 2.0 * pose.radius;
-    let local = sampling_to_local(rays[ray].direction, pose.normal);
-    let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
-    let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
-    // Compared before it is divided: the distance of a miss over the diameter would overflow.
-    var t = 1.0;
-    if hits[ray].t < diameter {
-        t = hits[ray].t / diameter;
-    }
-    let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
-    let old = lookup_moments(depths[surfel].texels[texel]);
-    let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
-    depths[surfel].texels[texel] = lookup_pack_moments(new_moments);
+@if(neighbours)
+fn said_around(surfel: u32) -> Neighbours {
+    return neighbours[surfel];
 }
 @else
-fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {}
+fn said_around(surfel: u32) -> Neighbours {
+    return Neighbours();
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -52,22 +34,20 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= arrayLength(&poses) {
+    if i >= arrayLength(&poses) || poses[i].radius <= 0.0 {
         return;
     }
     let first = offsets[i];
     let last = offsets[i + 1u];
-    if first == last {
-        return;
+    var state = irradiance[i];
+    if first < last {
+        var sum = vec3<f32>(0.0);
+        for (var ray = first; ray < last; ray++) {
+            sum += radiance[ray].xyz;
+        }
+        let count = last - first;
+        state = estimator_update(state, sum * (PI / f32(count)), count, settings.clamp != 0u);
+        irradiance[i] = state;
     }
-    let pose = poses[i];
-    let before = irradiance[i].samples;
-    var sum = vec3<f32>(0.0);
-    for (var ray = first; ray < last; ray++) {
-        sum += radiance[ray].xyz;
-        update_depth(i, ray, pose, before + (ray - first));
-    }
-    let count = last - first;
-    let sample = sum * (PI / f32(count));
-    irradiance[i] = estimator_update(irradiance[i], sample, count, settings.clamp != 0u);
+    light[i] = sharing_light(state, frame.number - births[i].frame, said_around(i));
 }

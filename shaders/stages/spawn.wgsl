@@ -21,7 +21,6 @@ import package::vector::vector_normalize;
 @group(0) @binding(8) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(9) var<storage, read_write> irradiance: array<SurfelIrradiance>;
 @if(depths) @group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
-@group(0) @binding(11) var<storage, read_write> unseen: array<u32>;
 
 /// Both moments one: the depth function at the diameter everywhere.
 @if(depths)
@@ -58,6 +57,5 @@ fn main(
     let identity = hash_hash3(tile, frame.number, frame.seed);
     poses[slot] = SurfelPose(point.position, radius, normal, identity);
     irradiance[slot] = SurfelIrradiance();
-    unseen[slot] = 0u;
     open_depth_function(slot);
 }

@@ -108,6 +108,7 @@ const ELEMENTS: &[(&str, &str, &str)] = &[
     ("guiding", "guiding", "off"),
     ("steering", "steering", "off"),
     ("emitters", "emitters", "off"),
+    ("sharing", "sharing", "off"),
     ("clamp", "clamp", "off"),
     ("continuation", "continuations", "0"),
 ];

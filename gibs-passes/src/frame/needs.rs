@@ -101,6 +101,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.guiding = !other.guiding,
         )?,
         setting(
+            "irradiance sharing",
+            settings.sharing,
+            format!(
+                "the setting sharing = {}",
+                if settings.sharing { "on" } else { "off" }
+            ),
+            &|other| other.sharing = !other.sharing,
+        )?,
+        setting(
             "paths beyond a hit",
             paths > 0,
             format!("the setting continuations = {paths}"),

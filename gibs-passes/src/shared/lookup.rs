@@ -3,16 +3,14 @@
 use super::grid;
 use super::octahedral::hemisphere_encode;
 use super::sampling::to_local;
-use crate::data::{
-    Gathered, GridShape, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
-};
+use crate::data::{Gathered, GridShape, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
 use glam::{UVec2, Vec2, Vec3};
 
 /// Texels along each side of a depth function.
 pub const DEPTH_SIDE: u32 = 4;
 
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
-pub const SQUASH: f32 = 2.0;
+pub const SQUASH: f32 = 4.0;
 
 /// Weight of a surfel at its own centre. With 2, a point is covered (weight 1) by one surfel up to 0.54 of its radius.
 pub const PEAK: f32 = 2.0;
@@ -30,17 +28,17 @@ pub const AVERAGE_LEAST: f32 = 0.5;
 /// the error falls with time only as t^(-2 (1 - a)).
 pub const TRUSTED_AFTER: f32 = 32.0;
 
-/// How far to trust a surfel of an age in frames, 0 to 1.
+/// How far to trust a surfel that was born so many frames ago and has integrated rays, in `(0, 1]`.
 #[inline]
 pub fn trust(age: u32) -> f32 {
-    (age as f32 / TRUSTED_AFTER).min(1.0)
+    ((age as f32 + 1.0) / TRUSTED_AFTER).min(1.0)
 }
 
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 pub const LEAST_VARIANCE: f32 = 1e-4;
 
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
-pub const CHEBYSHEV_FLOOR: f32 = 0.25;
+pub const CHEBYSHEV_FLOOR: f32 = 0.6;
 
 /// One step of a moment.
 pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
@@ -124,7 +122,7 @@ pub fn falloff(d: Vec3, pose: &SurfelPose) -> f32 {
 #[inline]
 pub fn alignment(normal: Vec3, pose: &SurfelPose) -> f32 {
     let c = normal.dot(pose.normal).max(0.0);
-    c * c
+    c * c * c * c * c * c * c * c
 }
 
 /// The buffers of a lookup.
@@ -142,17 +140,6 @@ pub struct Surfels<'a> {
     pub grid: &'a GridShape,
     /// Settings of the lookup.
     pub settings: &'a SurfelSettings,
-}
-
-/// What surfels have gathered.
-#[derive(Clone, Copy)]
-pub struct Light<'a> {
-    /// Their irradiance.
-    pub irradiance: &'a [SurfelIrradiance],
-    /// When they were born.
-    pub births: &'a [SurfelBirth],
-    /// The frame that it is now.
-    pub frame: u32,
 }
 
 impl<'a> Surfels<'a> {
@@ -187,9 +174,8 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut
 /// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
 /// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
 #[inline]
-pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
+pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
     let entries = s.around(point);
-    let irradiance = light.irradiance;
     let share = |id: usize, d: Vec3| {
         if !s.depths.is_empty() {
             visibility(&s.depths[id], &s.poses[id], d)
@@ -203,13 +189,13 @@ pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> 
         let pose = &s.poses[id];
         let d = point - pose.position;
         let mut weight = falloff(d, pose) * alignment(normal, pose);
-        if weight <= 0.0 || irradiance[id].samples == 0 {
+        if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
         weight *= share(id, d);
-        g.irradiance += irradiance[id].mean * weight;
+        g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
-        g.confidence += weight * trust(light.frame.wrapping_sub(light.births[id].frame));
+        g.confidence += weight * light[id].trust;
     }
     if g.weight > 0.0 {
         g.confidence /= g.weight;
@@ -224,11 +210,11 @@ pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> 
         let id = id as usize;
         let pose = &s.poses[id];
         let mut weight = alignment(normal, pose);
-        if weight <= 0.0 || irradiance[id].samples == 0 {
+        if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
         weight *= share(id, point - pose.position);
-        g.average += irradiance[id].mean * weight;
+        g.average += light[id].irradiance * weight;
         average_weight += weight;
     }
     g.average /= average_weight.max(AVERAGE_LEAST);

@@ -16,5 +16,6 @@ pub mod recycling;
 pub mod requests;
 pub mod sampling;
 pub mod scan;
+pub mod sharing;
 pub mod surface;
 pub mod texture;

@@ -6,8 +6,8 @@
 use std::arch::x86_64::*;
 
 use super::Avx2;
-use crate::data::{Gathered, SurfelDepth, SurfelPose};
-use crate::shared::lookup::{self, Light, Surfels};
+use crate::data::{Gathered, SurfelDepth, SurfelLight, SurfelPose};
+use crate::shared::lookup::{self, Surfels};
 use glam::Vec3;
 
 type Lanes3 = [__m256; 3];
@@ -47,7 +47,13 @@ impl Lookup {
 
     /// Same as [`lookup::gather`].
     #[inline]
-    pub fn gather(self, point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
+    pub fn gather(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        s: &Surfels<'_>,
+        light: &[SurfelLight],
+    ) -> Gathered {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
             Some(Avx2 { .. }) => unsafe { gather(point, normal, s, light) },
@@ -140,7 +146,7 @@ impl Poses {
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     fn alignment(&self, normal: &Lanes3) -> __m256 {
         let c = positive(dot(normal, &self.normal));
-        _mm256_mul_ps(c, c)
+        let c=_mm256_mul_ps(c, c);let c=_mm256_mul_ps(c, c);_mm256_mul_ps(c, c)
     }
 
     /// [`lookup::visibility`].
@@ -428,17 +434,16 @@ fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usi
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
-    let irradiance = light.irradiance;
+fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
     let entries = s.around(point);
     let (point, normal) = (all(point), all(normal));
     let use_depth = !s.depths.is_empty();
     let mut pending = Pending::EMPTY;
     let mut g = Gathered::default();
     let mut sum = |id: usize, weight: f32| {
-        g.irradiance += irradiance[id].mean * weight;
+        g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
-        g.confidence += weight * lookup::trust(light.frame.wrapping_sub(light.births[id].frame));
+        g.confidence += weight * light[id].trust;
     };
     for chunk in entries.chunks(8) {
         let (ids, there) = eight(chunk);
@@ -453,7 +458,7 @@ fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gath
         let weights = stored(weight);
         lanes(mask, |lane| {
             let id = ids[lane];
-            if irradiance[id as usize].samples != 0 && pending.push(id, weights[lane]) {
+            if light[id as usize].trust != 0.0 && pending.push(id, weights[lane]) {
                 pending.flush(s, use_depth, &point, &mut sum);
             }
         });
@@ -469,7 +474,7 @@ fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gath
     }
     let mut average_weight = 0.0;
     let mut sum = |id: usize, weight: f32| {
-        g.average += irradiance[id].mean * weight;
+        g.average += light[id].irradiance * weight;
         average_weight += weight;
     };
     for chunk in entries[..entries.len().min(lookup::AVERAGE_OF)].chunks(8) {
@@ -480,7 +485,7 @@ fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gath
         let weights = stored(weight);
         lanes(_mm256_movemask_ps(some) as u32 & there, |lane| {
             let id = ids[lane];
-            if irradiance[id as usize].samples != 0 && pending.push(id, weights[lane]) {
+            if light[id as usize].trust != 0.0 && pending.push(id, weights[lane]) {
                 pending.flush(s, use_depth, &point, &mut sum);
             }
         });

@@ -1,6 +1,6 @@
 //! The lookup of surfels around a point where there is no wide one.
-use crate::data::Gathered;
-use crate::shared::lookup::{self, Light, Surfels};
+use crate::data::{Gathered, SurfelLight};
+use crate::shared::lookup::{self, Surfels};
 use glam::Vec3;
 
 /// The lookup with the best instructions of this processor.
@@ -25,7 +25,13 @@ impl Lookup {
     }
 
     /// Same as [`lookup::gather`].
-    pub fn gather(self, point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &Light<'_>) -> Gathered {
+    pub fn gather(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        s: &Surfels<'_>,
+        light: &[SurfelLight],
+    ) -> Gathered {
         lookup::gather(point, normal, s, light)
     }
 }

@@ -1,9 +1,9 @@
 //! Wide lookups give the scalar ones' bits.
 use super::{Avx2, Lookup};
-use crate::data::{SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
 use crate::shared::grid::GridLayout;
 use crate::shared::hash::{hash2, hash3, unit};
-use crate::shared::lookup::{self, Light, Surfels};
+use crate::shared::lookup::{self, Surfels};
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -50,26 +50,14 @@ fn the_wide_lookup_is_the_scalar_one() {
             }),
         })
         .collect();
-    let irradiance: Vec<SurfelIrradiance> = ids()
-        .map(|i| SurfelIrradiance {
-            mean: Vec3::new(random(i, 8), random(i, 9), random(i, 10)).abs() * 10.0,
-            samples: u32::from(i % 5 != 0) * i,
-            ..SurfelIrradiance::default()
-        })
-        .collect();
-    let births: Vec<SurfelBirth> = ids()
-        .map(|i| SurfelBirth {
-            frame: hash2(i, 11) % 50,
-            ..SurfelBirth::default()
+    let light: Vec<SurfelLight> = ids()
+        .map(|i| SurfelLight {
+            irradiance: Vec3::new(random(i, 8), random(i, 9), random(i, 10)).abs() * 10.0,
+            trust: lookup::trust(hash2(i, 11) % 50) * f32::from(u8::from(i % 5 != 0)),
         })
         .collect();
     let layout = GridLayout::new(4, 10.0);
     let grid = layout.at(Vec3::ZERO, 4.0);
-    let light = Light {
-        irradiance: &irradiance,
-        births: &births,
-        frame: 40,
-    };
     let wide = Lookup::new();
     let (mut covered, mut averaged) = (0, 0);
     for case in 0..3000u32 {

@@ -1,7 +1,6 @@
 //! `*/gather_surfels`, `apply/lighting_apply`: irradiance at points from the surfels around them (S12).
 use crate::data::{
-    Frame, Gathered, GridShape, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
-    SurfelPose, SurfelSettings,
+    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
 use crate::shared::{lookup, octahedral, surface};
 use crate::simd;
@@ -16,15 +15,13 @@ stage! {
         workgroup: [64, 1, 1],
         ports: {
             uniform batch: DispatchArgs,
-            uniform frame: Frame,
             uniform grid: GridShape,
             uniform settings: SurfelSettings,
             read points: SurfacePoint,
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            read births: SurfelBirth,
-            read irradiance: SurfelIrradiance,
+            read light: SurfelLight,
             optional_read depths: SurfelDepth,
             write gathered: Gathered,
         },
@@ -48,7 +45,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 fn gather(
     p: &Views<'_>,
     group: Workgroup,
-    gather: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, &lookup::Light<'_>) -> Gathered,
+    gather: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, &[SurfelLight]) -> Gathered,
 ) {
     let surfels = lookup::Surfels {
         cells: p.cells.slice(),
@@ -58,16 +55,12 @@ fn gather(
         grid: p.grid,
         settings: p.settings,
     };
-    let light = lookup::Light {
-        irradiance: p.irradiance.slice(),
-        births: p.births.slice(),
-        frame: p.frame.number,
-    };
+    let light = p.light.slice();
     for i in group.range(p.batch.count) {
         let point = &p.points[i];
         let gathered = if surface::is_surface(point) {
             let normal = octahedral::unpack(point.shading_normal);
-            gather(point.position, normal, &surfels, &light)
+            gather(point.position, normal, &surfels, light)
         } else {
             Gathered::default()
         };

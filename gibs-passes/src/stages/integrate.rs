@@ -1,42 +1,34 @@
-//! `persistent/integrate`: rays into irradiance and depth function (I1, I3, S14).
-use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::lookup::{DEPTH_SIDE, moments, pack_moments};
-use crate::shared::{estimator, octahedral, sampling};
+//! `filtering/temporal`: rays into irradiance (I1, I3).
+use crate::data::{
+    Frame, Neighbours, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
+};
+use crate::shared::{estimator, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
 
 stage! {
     /// Feeds each surfel's mean of `pi * radiance` (the estimator of irradiance under `cos / pi`) to its multiscale
-    /// mean, and each ray's distance to its depth function (GIBS, "Radial Gaussian Depth"): those that go farther
-    /// than the diameter count as the diameter. A surfel without rays is left as it is.
+    /// mean, and finds what the surfel says: that mean, and what its neighbours know better. Without rays, the mean is
+    /// left as it is.
     pub stage Integrate {
         wgsl: gibs_shaders::stages::INTEGRATE,
         workgroup: [64, 1, 1],
         ports: {
+            uniform frame: Frame,
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
+            read births: SurfelBirth,
             read offsets: u32,
-            optional_read rays: Ray,
-            optional_read hits: Hit,
             read radiance: Vec4,
+            optional_read neighbours: Neighbours,
             read_write irradiance: SurfelIrradiance,
-            optional_read_write depths: SurfelDepth,
+            write light: SurfelLight,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
     }
-}
-
-/// Rays after which a texel's share of a new distance has halved from all.
-pub const DEPTH_SETTLES: f32 = 32.0;
-
-/// Share of a new distance in a texel's moments: the first ones replace the initial diameter, which is a guess; the
-/// share then falls to that of the moving average.
-#[inline]
-pub fn depth_blend(samples: u32, least: f32) -> f32 {
-    least.max(DEPTH_SETTLES / (DEPTH_SETTLES + samples as f32))
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
@@ -49,40 +41,20 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 #[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
-        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
-        if first == last {
+        if p.poses[i].radius <= 0.0 {
             continue;
         }
-        let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
-        if !p.depths.is_empty() {
-            update_depth(p, i, first..last);
+        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
+        let mut state = p.irradiance.get(i);
+        if first < last {
+            let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
+            let rays = (last - first) as u32;
+            let sample = sum * (PI / rays as f32);
+            state = estimator::update(&state, sample, rays, p.settings.clamp != 0);
+            p.irradiance.set(i, state);
         }
-        let rays = (last - first) as u32;
-        let sample = sum * (PI / rays as f32);
-        let clamp = p.settings.clamp != 0;
-        p.irradiance.set(
-            i,
-            estimator::update(&p.irradiance.get(i), sample, rays, clamp),
-        );
+        let age = p.frame.number.wrapping_sub(p.births[i].frame);
+        let neighbours = p.neighbours.get(i).copied().unwrap_or_default();
+        p.light.set(i, sharing::light(&state, age, &neighbours));
     }
-}
-
-/// The distances of rays into the depth function of their surfel.
-#[inline(always)]
-fn update_depth(p: &Views<'_>, surfel: usize, rays: std::ops::Range<usize>) {
-    let pose = &p.poses[surfel];
-    let before = p.irradiance.get(surfel).samples;
-    let mut depth = p.depths.get(surfel);
-    for ray in rays.clone() {
-        let local = sampling::to_local(p.rays[ray].direction, pose.normal);
-        let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
-        let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
-        let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
-        let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
-        let blend = depth_blend(before + (ray - rays.start) as u32, p.settings.depth_blend);
-        let old = moments(depth.texels[texel]);
-        let new = old + (Vec2::new(t, t * t) - old) * blend;
-        depth.texels[texel] = pack_moments(new);
-    }
-    p.depths.set(surfel, depth);
 }

@@ -31,11 +31,13 @@ pub mod scan_apply;
 pub mod scan_blocks;
 pub mod scan_sums;
 pub mod shade_hits;
+pub mod share_irradiance;
 pub mod spawn;
 pub mod spawn_claim;
 pub mod spawn_commit;
 pub mod trace_any;
 pub mod trace_closest;
+pub mod update_depth;
 pub mod update_guide;
 
 use gibs_graph::{KernelSource, Port, Stage};
@@ -93,11 +95,13 @@ pub fn all() -> Vec<StageInfo> {
         info::<scan_blocks::ScanBlocks>(),
         info::<scan_sums::ScanSums>(),
         info::<shade_hits::ShadeHits>(),
+        info::<share_irradiance::ShareIrradiance>(),
         info::<spawn::Spawn>(),
         info::<spawn_claim::SpawnClaim>(),
         info::<spawn_commit::SpawnCommit>(),
         info::<trace_any::TraceAny>(),
         info::<trace_closest::TraceClosest>(),
+        info::<update_depth::UpdateDepth>(),
         info::<update_guide::UpdateGuide>(),
     ]
 }

@@ -1,9 +1,10 @@
 //! `persistent/recycle_push`: slots of surfels that go, back onto the free stack (S4).
-use crate::data::{SurfelCounters, SurfelPose};
+use crate::data::{SurfelCounters, SurfelLight, SurfelPose};
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Pushes the slot of each surfel that goes, by rank, so that no race decides, and ends the surfel.
+    /// Pushes the slot of each surfel that goes, by rank, so that no race decides, and ends the surfel. A free slot
+    /// says nothing and counts as seen, as the next surfel in it will need.
     pub stage RecyclePush {
         wgsl: gibs_shaders::stages::RECYCLE_PUSH,
         workgroup: [64, 1, 1],
@@ -13,6 +14,8 @@ stage! {
             read counters: SurfelCounters,
             write free_slots: u32,
             write poses: SurfelPose,
+            write light: SurfelLight,
+            write unseen: u32,
         },
         cpu: kernel,
         wide: None,
@@ -25,6 +28,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let top = (p.counters[0].live - 1 - p.ranks[i]) as usize;
             p.free_slots.set(top, i as u32);
             p.poses.set(i, SurfelPose::default());
+            p.light.set(i, SurfelLight::default());
+            p.unseen.set(i, 0);
         }
     }
 }

@@ -27,7 +27,6 @@ stage! {
             write poses: SurfelPose,
             write irradiance: SurfelIrradiance,
             optional_write depths: SurfelDepth,
-            write unseen: u32,
         },
         cpu: kernel,
         wide: None,
@@ -43,7 +42,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let slot = claim.x as usize;
         let point = &p.points[claim.y as usize];
         let transform = &p.transforms[point.transform_id as usize];
-        let normal = octahedral::unpack(point.geometric_normal);
+        let normal = octahedral::unpack(point.shading_normal);
         let local = map_transposed(&transform.to_world, normal).normalize();
         p.births.set(
             slot,
@@ -66,7 +65,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());
-        p.unseen.set(slot, 0);
         if !p.depths.is_empty() {
             p.depths.set(slot, SurfelDepth::OPEN);
         }

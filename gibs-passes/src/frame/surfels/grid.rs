@@ -34,65 +34,78 @@ pub(super) fn update_positions(
     }
 }
 
+/// The lists of every surfel's cells, and how many entries did not fit.
 pub(super) fn build_grid(
     g: &mut Graph,
     shape: Buffer<GridShape>,
-    surfels: &Surfels,
+    poses: &Buffer<SurfelPose>,
     frame: &SurfelFrame,
     capacity: u64,
-) -> (Grid, Buffer<u32>) {
-    let cells = u64::from(frame.grid.cells());
-    let counts = g.zeroed("grid_counts", cells);
+) -> Grid {
+    let grid = Grid {
+        shape,
+        cells: g.transient("grid_cells", u64::from(frame.grid.cells())),
+        entries: g.transient(
+            "grid_entries",
+            capacity * u64::from(frame.settings.grid_lists),
+        ),
+        overflow: g.zeroed("grid_overflow", 1),
+    };
+    fill_grid(g, "persistent/grid", grid, poses, capacity)
+}
+
+/// Fills the lists again, now that there are new surfels. What does not fit counts each time.
+pub(super) fn fill_grid(
+    g: &mut Graph,
+    label: &str,
+    grid: Grid,
+    poses: &Buffer<SurfelPose>,
+    capacity: u64,
+) -> Grid {
+    let cells = grid.cells.len();
+    let counts = g.zeroed(&format!("{label}_counts"), cells);
     let inputs = grid_count::Inputs {
-        grid: &shape,
-        poses: &surfels.poses,
+        grid: &grid.shape,
+        poses,
         counts,
     };
     let counts = g
         .add::<grid_count::GridCount>(
-            "persistent/grid_count",
+            &format!("{label}_count"),
             inputs,
             Dispatch::Elements(capacity),
         )
         .counts;
-    let (starts, _) = exclusive_scan(g, "persistent/grid_scan", &counts);
-    let cursors = g.zeroed("grid_cursors", cells);
-    let entries = g.transient(
-        "grid_entries",
-        capacity * u64::from(frame.settings.grid_lists),
-    );
+    let (starts, _) = exclusive_scan(g, &format!("{label}_scan"), &counts);
+    let cursors = g.zeroed(&format!("{label}_cursors"), cells);
     let inputs = grid_scatter::Inputs {
-        grid: &shape,
-        poses: &surfels.poses,
+        grid: &grid.shape,
+        poses,
         starts: &starts,
         cursors,
-        entries,
+        entries: grid.entries,
     };
     let scattered = g.add::<grid_scatter::GridScatter>(
-        "persistent/grid_scatter",
+        &format!("{label}_scatter"),
         inputs,
         Dispatch::Elements(capacity),
     );
-    let listed = g.transient("grid_cells", cells);
-    let overflow = g.zeroed("grid_overflow", 1);
     let ordered = g.add::<grid_order::GridOrder>(
-        "persistent/grid_order",
+        &format!("{label}_order"),
         grid_order::Inputs {
-            poses: &surfels.poses,
+            poses,
             starts: &starts,
             counts: &counts,
             entries: scattered.entries,
-            cells: listed,
-            overflow,
+            cells: grid.cells,
+            overflow: grid.overflow,
         },
         Dispatch::Elements(cells),
     );
-    (
-        Grid {
-            shape,
-            cells: ordered.cells,
-            entries: ordered.entries,
-        },
-        ordered.overflow,
-    )
+    Grid {
+        shape: grid.shape,
+        cells: ordered.cells,
+        entries: ordered.entries,
+        overflow: ordered.overflow,
+    }
 }

@@ -1,4 +1,5 @@
 //! The surfel frame, in the order of the talk's frame overview.
+mod filtering;
 mod grid;
 mod rays;
 mod recycle;
@@ -78,6 +79,7 @@ struct Surfels {
     births: Buffer<SurfelBirth>,
     poses: Buffer<SurfelPose>,
     irradiance: Buffer<SurfelIrradiance>,
+    light: Buffer<SurfelLight>,
     /// Where depth functions guard against leaks.
     depths: Option<Buffer<SurfelDepth>>,
     /// Where rays are guided.
@@ -90,6 +92,7 @@ struct SurfelStates {
     births: State<SurfelBirth>,
     poses: State<SurfelPose>,
     irradiance: State<SurfelIrradiance>,
+    light: State<SurfelLight>,
     depths: Option<State<SurfelDepth>>,
     guides: Option<State<SurfelGuide>>,
     unseen: State<u32>,
@@ -101,6 +104,7 @@ impl Surfels {
         let (births_state, births) = g.state("surfel_births", capacity, Initial::Zero);
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
+        let (light_state, light) = g.state("surfel_light", capacity, Initial::Zero);
         let (guides_state, guides) = settings
             .guiding
             .then(|| g.state("surfel_guides", capacity, Initial::Zero))
@@ -119,6 +123,7 @@ impl Surfels {
                 births: births_state,
                 poses: poses_state,
                 irradiance: irradiance_state,
+                light: light_state,
                 depths: depths_state,
                 guides: guides_state,
                 unseen: unseen_state,
@@ -127,6 +132,7 @@ impl Surfels {
                 births,
                 poses,
                 irradiance,
+                light,
                 depths,
                 guides,
                 unseen,
@@ -138,6 +144,7 @@ impl Surfels {
         g.keep(states.births, self.births);
         g.keep(states.poses, self.poses);
         g.keep(states.irradiance, self.irradiance);
+        g.keep(states.light, self.light);
         if let (Some(state), Some(depths)) = (states.depths, self.depths) {
             g.keep(state, depths);
         }
@@ -159,6 +166,8 @@ struct Grid {
     shape: Buffer<GridShape>,
     cells: Buffer<UVec2>,
     entries: Buffer<u32>,
+    /// Entries that did not fit.
+    overflow: Buffer<u32>,
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
@@ -178,24 +187,15 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
 
     // Persistent
     let surfels = grid::update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
-    let (grid, overflow) = grid::build_grid(g, shape, &surfels, frame, capacity);
+    let grid = grid::build_grid(g, shape, &surfels.poses, frame, capacity);
     let slots = Slots {
         counters: counters.1,
         free: free_slots.1,
     };
     let (surfels, slots) =
         recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
-    let surfels = rays::integrate_rays(
-        g,
-        &scene,
-        &grid,
-        &device_settings,
-        surfels,
-        settings,
-        per_point,
-    );
 
-    // Spawn
+    // Spawn, before rays are traced, so that new surfels have theirs in the same frame
     let (surfels, counters_last) = spawn::spawn_surfels(
         g,
         &scene,
@@ -207,7 +207,18 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         slots.counters,
         &slots.free,
     );
+    let surfels = rays::integrate_rays(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        settings,
+        per_point,
+    );
 
+    // Apply
+    let grid = grid::fill_grid(g, "apply/inject", grid, &surfels.poses, capacity);
     let lit = screen::apply(
         g,
         &scene,
@@ -230,7 +241,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         );
     }
     g.output("counters", &counters_last);
-    g.output("overflow", &overflow);
+    g.output("overflow", &grid.overflow);
     surfels.keep(g, states);
     g.keep(counters.0, counters_last);
     g.keep(free_slots.0, slots.free);
@@ -263,7 +274,6 @@ fn answer(
     let gathered = gather(
         g,
         "query/gather_surfels",
-        &scene.frame,
         grid,
         settings,
         surfels,
@@ -283,7 +293,6 @@ fn answer(
 fn gather(
     g: &mut Graph,
     label: &str,
-    frame: &Buffer<Frame>,
     grid: &Grid,
     settings: &Buffer<SurfelSettings>,
     surfels: &Surfels,
@@ -296,15 +305,13 @@ fn gather(
         label,
         gather_surfels::Inputs {
             batch: batch.args,
-            frame,
             grid: &grid.shape,
             settings,
             points,
             cells: &grid.cells,
             entries: &grid.entries,
             poses: &surfels.poses,
-            births: &surfels.births,
-            irradiance: &surfels.irradiance,
+            light: &surfels.light,
             depths: surfels.depths.as_ref(),
             gathered,
         },

@@ -1,5 +1,5 @@
-//! Rays from every surfel, and what they find (I1, I2, I3, I5).
-use super::{Grid, Surfels, gather};
+//! Rays from every surfel, and what they find (I1, I2, I5).
+use super::{Grid, Surfels, filtering, gather};
 use crate::data::*;
 use crate::frame::trace::{Batch, direct_light, surfaces};
 use crate::frame::{SceneInputs, Settings};
@@ -13,7 +13,7 @@ pub(super) fn integrate_rays(
     scene: &SceneInputs,
     grid: &Grid,
     device_settings: &Buffer<SurfelSettings>,
-    surfels: Surfels,
+    mut surfels: Surfels,
     settings: &Settings,
     per_point: u32,
 ) -> Surfels {
@@ -97,7 +97,6 @@ pub(super) fn integrate_rays(
         let gathered = gather(
             g,
             &label,
-            &scene.frame,
             grid,
             device_settings,
             &surfels,
@@ -142,7 +141,7 @@ pub(super) fn integrate_rays(
             None => break,
         }
     }
-    let guides = match (surfels.guides, &first_paths) {
+    let guides = match (surfels.guides.take(), &first_paths) {
         (Some(guides), Some(paths)) => {
             let inputs = update_guide::Inputs {
                 frame: &scene.frame,
@@ -161,27 +160,39 @@ pub(super) fn integrate_rays(
         }
         (guides, _) => guides,
     };
-    let has_depth = surfels.depths.is_some();
-    let integrated = g.add::<integrate::Integrate>(
-        "persistent/integrate",
-        integrate::Inputs {
-            settings: device_settings,
-            poses: &surfels.poses,
-            offsets: &allocated.offsets,
-            rays: has_depth.then_some(&first_rays),
-            hits: first_hits.as_ref().filter(|_| has_depth),
-            radiance: &radiance,
-            irradiance: surfels.irradiance,
-            depths: surfels.depths,
-        },
-        Dispatch::Elements(capacity),
-    );
-    Surfels {
-        irradiance: integrated.irradiance,
-        depths: integrated.depths,
+    let depths = match (surfels.depths.take(), &first_hits) {
+        (Some(depths), Some(hits)) => {
+            let inputs = update_depth::Inputs {
+                settings: device_settings,
+                poses: &surfels.poses,
+                irradiance: &surfels.irradiance,
+                offsets: &allocated.offsets,
+                rays: &first_rays,
+                hits,
+                depths,
+            };
+            let label = "persistent/update_depth";
+            let updated =
+                g.add::<update_depth::UpdateDepth>(label, inputs, Dispatch::Elements(capacity));
+            Some(updated.depths)
+        }
+        (depths, _) => depths,
+    };
+    let surfels = Surfels {
         guides,
+        depths,
         ..surfels
-    }
+    };
+    filtering::filter(
+        g,
+        scene,
+        grid,
+        device_settings,
+        surfels,
+        settings,
+        &allocated.offsets,
+        &radiance,
+    )
 }
 
 /// The rays of one path depth.

@@ -42,6 +42,8 @@ pub(super) fn recycle(
             counters: &slots.counters,
             free_slots: slots.free,
             poses: surfels.poses,
+            light: surfels.light,
+            unseen: surfels.unseen,
         },
         Dispatch::Elements(capacity),
     );
@@ -56,6 +58,8 @@ pub(super) fn recycle(
     );
     let surfels = Surfels {
         poses: pushed.poses,
+        light: pushed.light,
+        unseen: pushed.unseen,
         ..surfels
     };
     let slots = Slots {

@@ -93,7 +93,6 @@ pub(super) fn apply(
     let gathered = gather(
         g,
         "apply/lighting_apply",
-        &scene.frame,
         grid,
         settings,
         surfels,

@@ -80,7 +80,6 @@ pub(super) fn spawn_surfels(
             poses: surfels.poses,
             irradiance: surfels.irradiance,
             depths: surfels.depths,
-            unseen: found.unseen,
         },
         Dispatch::Elements(tiles),
     );
@@ -88,9 +87,10 @@ pub(super) fn spawn_surfels(
         births: written.births,
         poses: written.poses,
         irradiance: written.irradiance,
+        light: surfels.light,
         depths: written.depths,
         guides: surfels.guides,
-        unseen: written.unseen,
+        unseen: found.unseen,
     };
     (surfels, counters)
 }

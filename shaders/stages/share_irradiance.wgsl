@@ -1,0 +1,110 @@
+// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup.
+@if(depths) import package::depth::depth_visibility;
+import package::estimator::estimator_luminance;
+import package::grid::grid_cell;
+import package::invocation::invocation_index;
+import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
+import package::sharing::{SHARING_MOST_RAYS, SHARING_REACH, sharing_asks, sharing_mean_variance};
+import package::types::{
+    Frame, GridShape, Neighbours, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
+};
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> grid: GridShape;
+@group(0) @binding(2) var<uniform> settings: SurfelSettings;
+@group(0) @binding(3) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> entries: array<u32>;
+@group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(6) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(7) var<storage, read> irradiance: array<SurfelIrradiance>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
+
+@if(depths)
+fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return depth_visibility(id, pose, d);
+}
+@else
+fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return 1.0;
+}
+
+fn ask(own: u32) -> Neighbours {
+    let point = poses[own].position;
+    let normal = poses[own].normal;
+    let cell = cells[grid_cell(point, grid)];
+    let count = min(cell.y, settings.lookup);
+    var mean = vec3<f32>(0.0);
+    var sum = 0.0;
+    var squares = 0.0;
+    var weights_squared = 0.0;
+    var noise = 0.0;
+    var trust = 0.0;
+    var ray_variance = 0.0;
+    var ray_sum = 0.0;
+    for (var i = 0u; i < count; i++) {
+        let id = entries[cell.x + i];
+        let state = irradiance[id];
+        if state.samples == 0u {
+            continue;
+        }
+        let pose = poses[id];
+        var wide = pose;
+        wide.radius = SHARING_REACH * pose.radius;
+        let d = point - pose.position;
+        var weight = lookup_falloff(d, wide) * lookup_alignment(normal, pose);
+        if weight <= 0.0 {
+            continue;
+        }
+        weight *= visible_share(id, pose, d);
+        let age = frame.number - births[id].frame;
+        let variance = sharing_mean_variance(state, age);
+        ray_variance += weight * (variance * f32(state.samples));
+        ray_sum += weight;
+        if id == own {
+            continue;
+        }
+        let counts = weight * min(f32(state.samples), SHARING_MOST_RAYS);
+        let level = estimator_luminance(state.mean);
+        mean += state.mean * counts;
+        sum += counts;
+        squares += counts * (level * level);
+        weights_squared += counts * counts;
+        noise += counts * variance;
+        trust += counts * lookup_trust(age);
+    }
+    var said = Neighbours();
+    if ray_sum > 0.0 {
+        said.ray_variance = ray_variance / ray_sum;
+    }
+    if sum <= 0.0 {
+        return said;
+    }
+    said.mean = mean / sum;
+    said.trust = trust / sum;
+    let level = estimator_luminance(said.mean);
+    let average_noise = noise / sum;
+    // What the neighbours differ by, beyond their noise.
+    let apart = max(squares / sum - level * level - average_noise, 0.0);
+    // The noise of their mean.
+    let left = average_noise * (weights_squared / (sum * sum));
+    said.spread = apart + left;
+    return said;
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    var said = Neighbours();
+    if poses[i].radius > 0.0 && sharing_asks(irradiance[i], frame.number - births[i].frame) {
+        said = ask(i);
+    }
+    neighbours[i] = said;
+}

@@ -1,0 +1,57 @@
+// Distances of rays into the depth function of the surfels that they began on.
+import package::invocation::invocation_index;
+import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_moments, lookup_pack_moments};
+import package::octahedral::octahedral_hemisphere_encode;
+import package::sampling::sampling_to_local;
+import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+
+@group(0) @binding(0) var<uniform> settings: SurfelSettings;
+@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(2) var<storage, read> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(3) var<storage, read> offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> rays: array<Ray>;
+@group(0) @binding(5) var<storage, read> hits: array<Hit>;
+@group(0) @binding(6) var<storage, read_write> depths: array<SurfelDepth>;
+
+/// Row or column of the depth function for a coordinate in `[0, 1]`.
+fn depth_index(x: f32) -> u32 {
+    return min(u32(max(x * f32(LOOKUP_DEPTH_SIDE), 0.0)), LOOKUP_DEPTH_SIDE - 1u);
+}
+
+/// Rays after which a texel's share of a new distance has halved from all.
+const DEPTH_SETTLES: f32 = 32.0;
+
+/// The distance of a ray into the depth function of its surfel, which has had `samples` before.
+fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
+    let diameter = 2.0 * pose.radius;
+    let local = sampling_to_local(rays[ray].direction, pose.normal);
+    let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
+    let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
+    // Compared before it is divided: the distance of a miss over the diameter would overflow.
+    var t = 1.0;
+    if hits[ray].t < diameter {
+        t = hits[ray].t / diameter;
+    }
+    let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
+    let old = lookup_moments(depths[surfel].texels[texel]);
+    let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
+    depths[surfel].texels[texel] = lookup_pack_moments(new_moments);
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    let first = offsets[i];
+    let pose = poses[i];
+    let before = irradiance[i].samples;
+    for (var ray = first; ray < offsets[i + 1u]; ray++) {
+        update_depth(i, ray, pose, before + (ray - first));
+    }
+}
