@@ -307,8 +307,8 @@ element! {
         frame: u32,
         /// Distance by which rays start off the surface.
         offset: f32,
-        /// Zero.
-        pad: u32,
+        /// Distance to the nearest surface that rises above it, as far as the picture showed at its birth, metres.
+        clearance: f32,
     }
 
     /// Irradiance of a surfel as the multiscale mean estimator holds it, W/m^2.

@@ -191,7 +191,7 @@ struct SurfelBirth {
     normal: u32,
     frame: u32,
     offset: f32,
-    pad: u32,
+    clearance: f32,
 }
 
 struct SurfelIrradiance {

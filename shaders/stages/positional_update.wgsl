@@ -38,6 +38,6 @@ fn main(
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
-    let radius = surfel_radius_at(position, camera, grid, settings);
+    let radius = surfel_radius_at(position, births[i].clearance, camera, grid, settings);
     poses[i] = SurfelPose(position, radius, normal, pose.identity);
 }

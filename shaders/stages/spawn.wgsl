@@ -3,12 +3,13 @@ import package::affine::{affine_map_point, affine_map_transposed};
 import package::hash::hash_hash3;
 import package::invocation::invocation_index;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
+import package::surface::surface_is_surface;
 import package::surfel::surfel_radius_at;
 import package::types::{
-    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
+    Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform
 };
-import package::vector::vector_normalize;
+import package::vector::{vector_dot, vector_normalize};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -32,6 +33,34 @@ fn open_depth_function(slot: u32) {
 @else
 fn open_depth_function(slot: u32) {}
 
+/// Sine of the angle from which on a surface counts as rising above a surfel.
+const RISES: f32 = 0.25;
+
+/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres.
+fn clearance_of(pixel: u32, normal: vec3<f32>) -> f32 {
+    let at = vec2<u32>(pixel % camera.width, pixel / camera.width);
+    let reach = u32(2.0 * settings.radius_pixels);
+    let first = at - min(at, vec2<u32>(reach));
+    let last = min(at + reach, vec2<u32>(camera.width, camera.height) - 1u);
+    let position = points[pixel].position;
+    var nearest = F32_MAX;
+    for (var row = first.y; row <= last.y; row++) {
+        for (var column = first.x; column <= last.x; column++) {
+            let point = points[row * camera.width + column];
+            if !surface_is_surface(point) {
+                continue;
+            }
+            let d = point.position - position;
+            let squared = vector_dot(d, d);
+            let h = vector_dot(d, normal);
+            if h > 0.0 && h * h > RISES * RISES * squared {
+                nearest = min(nearest, squared);
+            }
+        }
+    }
+    return sqrt(nearest);
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -49,11 +78,12 @@ fn main(
     let slot = claim.x;
     let point = points[claim.y];
     let transform = transforms[point.transform_id];
-    let normal = octahedral_unpack(point.geometric_normal);
+    let normal = octahedral_unpack(point.shading_normal);
+    let clearance = clearance_of(claim.y, normal);
     let local = vector_normalize(affine_map_transposed(transform.to_world, normal));
     let born_at = affine_map_point(transform.to_local, point.position);
-    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, 0u);
-    let radius = surfel_radius_at(point.position, camera, grid, settings);
+    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, clearance);
+    let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
     let identity = hash_hash3(tile, frame.number, frame.seed);
     poses[slot] = SurfelPose(point.position, radius, normal, identity);
     irradiance[slot] = SurfelIrradiance();

@@ -26,10 +26,14 @@ stage! {
     }
 }
 
+/// Least radius of a surfel beside a wall, over what it would be in the open.
+pub const LEAST_SHARE: f32 = 0.25;
+
 /// Radius whose projection is `radius_pixels` at this distance from the eye, within what the grid allows, metres.
 #[inline]
 pub fn radius_at(
     position: Vec3,
+    clearance: f32,
     camera: &Camera,
     shape: &GridShape,
     settings: &SurfelSettings,
@@ -37,7 +41,8 @@ pub fn radius_at(
     let wanted = settings.radius_pixels * camera.pixel_angle * (position - camera.eye).length();
     let most = grid::cell_side(position, shape) * grid::RADIUS_SHARE;
     // Never zero, which means a free slot, not even where the eye is.
-    wanted.clamp(1e-4 * most, most)
+    let wanted = wanted.clamp(1e-4 * most, most);
+    wanted.min(clearance.max(LEAST_SHARE * wanted))
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
@@ -55,7 +60,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
-        let radius = radius_at(position, p.camera, p.grid, p.settings);
+        let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
         p.poses.set(
             i,
             SurfelPose {

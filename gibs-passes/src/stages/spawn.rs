@@ -5,9 +5,9 @@ use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
     SurfelPose, SurfelSettings, Transform,
 };
-use crate::shared::{hash, octahedral};
+use crate::shared::{hash, octahedral, surface};
 use gibs_graph::{Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with the geometric normal,
@@ -33,6 +33,35 @@ stage! {
     }
 }
 
+/// Sine of the angle from which on a surface counts as rising above a surfel.
+pub const RISES: f32 = 0.25;
+
+/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres.
+/// Irradiance changes over such distances (Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse
+/// Interreflection": the harmonic mean distance to surfaces sets the spacing of samples).
+fn clearance(p: &Views<'_>, pixel: u32, normal: Vec3) -> f32 {
+    let (width, height) = (p.camera.width, p.camera.height);
+    let (x, y) = (pixel % width, pixel / width);
+    let reach = (2.0 * p.settings.radius_pixels) as u32;
+    let position = p.points[pixel as usize].position;
+    let mut nearest = f32::MAX;
+    for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
+        for column in x.saturating_sub(reach)..=(x + reach).min(width - 1) {
+            let point = &p.points[(row * width + column) as usize];
+            if !surface::is_surface(point) {
+                continue;
+            }
+            let d = point.position - position;
+            let squared = d.dot(d);
+            let h = d.dot(normal);
+            if h > 0.0 && h * h > RISES * RISES * squared {
+                nearest = nearest.min(squared);
+            }
+        }
+    }
+    nearest.sqrt()
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for tile in group.range(p.claims.len() as u32) {
         let claim = p.claims[tile];
@@ -43,6 +72,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let point = &p.points[claim.y as usize];
         let transform = &p.transforms[point.transform_id as usize];
         let normal = octahedral::unpack(point.shading_normal);
+        let clearance = clearance(p, claim.y, normal);
         let local = map_transposed(&transform.to_world, normal).normalize();
         p.births.set(
             slot,
@@ -52,14 +82,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 normal: octahedral::pack(local),
                 frame: p.frame.number,
                 offset: point.offset,
-                pad: 0,
+                clearance,
             },
         );
         p.poses.set(
             slot,
             SurfelPose {
                 position: point.position,
-                radius: radius_at(point.position, p.camera, p.grid, p.settings),
+                radius: radius_at(point.position, clearance, p.camera, p.grid, p.settings),
                 normal,
                 identity: hash::hash3(tile as u32, p.frame.number, p.frame.seed),
             },
