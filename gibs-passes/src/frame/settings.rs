@@ -216,7 +216,7 @@ impl Settings {
     /// 5500 surfels of 8 pixels cover a picture of 480x270). Fitted, they take `SHARE_IN_VIEW` of the capacity; the rest is
     /// for what the camera has left behind.
     pub fn radius_in(&self, size: [u32; 2]) -> f32 {
-        const SHARE_IN_VIEW: f32 = 0.2;
+        const SHARE_IN_VIEW: f32 = 0.36;
         const SURFELS_PER_DISC: f32 = 8.5;
         const LEAST: f32 = 1.0;
         if self.radius > 0.0 {
