@@ -43,6 +43,7 @@ pub mod builtin;
 mod channels;
 pub mod cli;
 pub mod compare;
+pub mod debug;
 pub mod gi;
 pub mod gltf_import;
 pub mod picture;
@@ -51,6 +52,7 @@ pub mod reference;
 pub mod renderer;
 pub mod view;
 
+pub use debug::DebugPicture;
 pub use gi::{Gi, HostImage};
 pub use gibs_graph as graph;
 pub use gibs_passes as passes;

@@ -119,6 +119,7 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("depth functions", true),
             ("ray guiding", false),
             ("paths beyond a hit", true),
+            ("debug view", false),
             ("irradiance at points", true)
         ]
     );

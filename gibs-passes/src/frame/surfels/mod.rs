@@ -1,4 +1,5 @@
 //! The surfel frame, in the order of the talk's frame overview.
+mod debug;
 mod grid;
 mod rays;
 mod recycle;
@@ -162,7 +163,8 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
-/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`. Gives what further stages may go on
+/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
+/// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on
 /// with.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> SurfelOutputs {
     let settings = &frame.settings;
@@ -185,7 +187,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     };
     let (surfels, slots) =
         recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
-    let surfels = rays::integrate_rays(
+    let (surfels, ray_offsets) = rays::integrate_rays(
         g,
         &scene,
         &grid,
@@ -194,6 +196,9 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         settings,
         per_point,
     );
+    let debug_values = settings.debug.and_then(|view| {
+        debug::surfel_values(g, view, &scene, &device_settings, &surfels, &ray_offsets)
+    });
 
     // Spawn
     let (surfels, counters_last) = spawn::spawn_surfels(
@@ -218,6 +223,19 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         seen,
         per_point,
     );
+    if let Some(view) = settings.debug {
+        debug::draw(
+            g,
+            view,
+            &scene,
+            frame,
+            &grid,
+            &device_settings,
+            &surfels,
+            debug_values.as_ref(),
+            &lit.points,
+        );
+    }
     if settings.queries > 0 {
         answer(
             g,

@@ -7,7 +7,8 @@ use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 
-/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions.
+/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions. Also gives the
+/// first ray of each surfel, and after the last surfel the number of rays.
 pub(super) fn integrate_rays(
     g: &mut Graph,
     scene: &SceneInputs,
@@ -16,7 +17,7 @@ pub(super) fn integrate_rays(
     surfels: Surfels,
     settings: &Settings,
     per_point: u32,
-) -> Surfels {
+) -> (Surfels, Buffer<u32>) {
     let capacity = u64::from(settings.surfels);
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
@@ -176,12 +177,13 @@ pub(super) fn integrate_rays(
         },
         Dispatch::Elements(capacity),
     );
-    Surfels {
+    let surfels = Surfels {
         irradiance: integrated.irradiance,
         depths: integrated.depths,
         guides,
         ..surfels
-    }
+    };
+    (surfels, allocated.offsets)
 }
 
 /// The rays of one path depth.
