@@ -90,7 +90,7 @@ fn color(scale: DebugScale, value: f32) -> [u8; 3] {
         DebugScale::Names => name_color(value as u32),
         DebugScale::Parts => PARTS[(value as usize).min(PARTS.len() - 1)],
         DebugScale::Heat(most) => inferno(value / most),
-        DebugScale::BlueToRed(most) => cool_warm(value / most),
+        DebugScale::BlueToRed(most) => cool_warm(0.5 + 0.5 * value.ln() / most.ln()),
     }
 }
 

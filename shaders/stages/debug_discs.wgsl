@@ -25,22 +25,13 @@ import package::vector::{vector_dot, vector_length};
 @group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> entries: array<u32>;
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
-@if(values) @group(0) @binding(8) var<storage, read> values: array<f32>;
+@group(0) @binding(8) var<storage, read> values: array<f32>;
 @if(depths) @group(0) @binding(9) var<storage, read> depths: array<SurfelDepth>;
 @if(guides) @group(0) @binding(10) var<storage, read> guides: array<SurfelGuide>;
 @group(0) @binding(11) var<storage, read_write> debug: array<DebugPixel>;
 
 /// How much a disc darkens to its rim in the view that shows discs as such.
 const RIM: f32 = 0.6;
-
-@if(values)
-fn value_of(id: u32) -> f32 {
-    return values[id];
-}
-@else
-fn value_of(id: u32) -> f32 {
-    return 0.0;
-}
 
 @if(depths)
 fn share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -51,13 +42,13 @@ fn share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return 1.0;
 }
 
-/// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal at the
-/// centre itself.
+/// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal
+/// at the centre, where no lookup asks.
 @if(depths)
 fn mean_distance(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     let distance = vector_length(d);
     var local = vec3<f32>(0.0, 0.0, 1.0);
-    if distance > 0.0 {
+    if distance >= 0.02 * pose.radius {
         local = sampling_to_local(d / distance, pose.normal);
     }
     return depth_moments(id, vec3<f32>(local.xy, max(local.z, 0.0))).x;
@@ -90,7 +81,7 @@ fn weighted(point: vec3<f32>, normal: vec3<f32>, mean: bool) -> DebugPixel {
         let pose = poses[id];
         let d = point - pose.position;
         var weight = lookup_falloff(d, pose) * lookup_alignment(normal, pose);
-        let value = value_of(id);
+        let value = values[id];
         if weight <= 0.0 || value < 0.0 {
             continue;
         }
@@ -118,7 +109,7 @@ fn nearest(point: SurfacePoint, normal: vec3<f32>) -> DebugPixel {
         let pose = poses[id];
         let d = point.position - pose.position;
         let squared = vector_dot(d, d);
-        if squared < least && value_of(id) >= 0.0 && lookup_falloff(d, pose) * lookup_alignment(normal, pose) > 0.0 {
+        if squared < least && values[id] >= 0.0 && lookup_falloff(d, pose) * lookup_alignment(normal, pose) > 0.0 {
             found = id;
             least = squared;
         }
@@ -137,9 +128,9 @@ fn nearest(point: SurfacePoint, normal: vec3<f32>) -> DebugPixel {
     if settings.debug == DEBUG_VIEW_SURFELS {
         let rim = least / (pose.radius * pose.radius);
         let shade = (1.0 - RIM * rim) * debug_headlight(camera.eye - point.position, normal);
-        return DebugPixel(value_of(found), shade);
+        return DebugPixel(values[found], shade);
     }
-    return DebugPixel(value_of(found), 1.0);
+    return DebugPixel(values[found], 1.0);
 }
 
 @compute @workgroup_size(64)

@@ -17,6 +17,9 @@ import package::vector::vector_length;
 @if(unseen) @group(0) @binding(7) var<storage, read> unseen: array<u32>;
 @group(0) @binding(8) var<storage, read_write> values: array<f32>;
 
+/// Of a surfel at the eye itself, for a radius that is a number.
+const LEAST_DISTANCE: f32 = 1e-20;
+
 @if(births)
 fn born(i: u32) -> u32 {
     return births[i].frame;
@@ -75,7 +78,8 @@ fn value(i: u32, pose: SurfelPose) -> f32 {
             return f32(i);
         }
         case DEBUG_VIEW_RADIUS: {
-            return pose.radius / (camera.pixel_angle * vector_length(pose.position - camera.eye));
+            let distance = max(vector_length(pose.position - camera.eye), LEAST_DISTANCE);
+            return pose.radius / (camera.pixel_angle * distance);
         }
         case DEBUG_VIEW_VARIANCE: {
             return deviation(i);

@@ -93,14 +93,19 @@ impl fmt::Display for Debug {
             )?,
             DebugScale::Heat(most) => write!(f, "0 (black) to {most} (pale yellow)")?,
             DebugScale::BlueToRed(most) => {
-                write!(f, "0 (blue) over {} (grey) to {most} (red)", most / 2.0)?;
+                write!(f, "{} (blue) over 1 (grey) to {most} (red)", 1.0 / most)?;
             }
         }
         match self.values {
-            Some([least, most]) => write!(f, "; here {least:.3} to {most:.3}"),
+            Some([least, most]) => write!(f, "; here {} to {}", rounded(least), rounded(most)),
             None => write!(f, "; nothing to show here"),
         }
     }
+}
+
+/// A number with at most three decimals.
+fn rounded(x: f32) -> f64 {
+    (f64::from(x) * 1e3).round() / 1e3
 }
 
 /// The debug views, with what each shows, for the help.
@@ -156,12 +161,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .transpose()?;
     match &debug {
         None => write(&picture, &out, loaded.view.exposure)?,
-        Some(debug) => {
-            if Format::of(&out)? == Format::Exr {
-                picture.write(&out, loaded.view.exposure)?;
-            }
+        Some(debug) if Format::of(&out)? == Format::Exr => {
+            picture.write(&out, loaded.view.exposure)?;
             debug.write_png(&out.with_extension("png"))?;
         }
+        Some(debug) => debug.write_png(&out)?,
     }
     check_finite(&picture)?;
     let counters = renderer.counters()?;

@@ -17,7 +17,7 @@ pub enum DebugScale {
     Parts,
     /// Black at 0 to pale yellow at this value and beyond.
     Heat(f32),
-    /// Blue at 0, grey in the middle, red at this value and beyond.
+    /// Grey at 1, blue down to 1 over this value and below, red up to this value and beyond; logarithmic.
     BlueToRed(f32),
 }
 
@@ -71,11 +71,11 @@ debug_views! {
     /// surfels as discs; of those that overlap, the one with the nearest centre
     Surfels = 1, "surfels", "slot", Names;
     /// summed weight of the surfels; below 1, the cell's average fills in
-    Coverage = 2, "coverage", "summed weight", BlueToRed(2.0);
+    Coverage = 2, "coverage", "summed weight", BlueToRed(4.0);
     /// radius of the nearest surfel, as it is projected
     Radius = 3, "radius", "pixels", Heat(16.0);
     /// short-term standard deviation of the nearest surfel's irradiance, over its mean
-    Variance = 4, "variance", "standard deviation / mean", BlueToRed(2.0);
+    Variance = 4, "variance", "standard deviation / mean", BlueToRed(4.0);
     /// rays that the surfels got in this frame, their mean by weight
     RayCount = 5, "ray-count", "rays", Heat(32.0);
     /// frames since the nearest surfel was born

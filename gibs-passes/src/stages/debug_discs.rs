@@ -24,7 +24,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            optional_read values: f32,
+            read values: f32,
             optional_read depths: SurfelDepth,
             optional_read guides: SurfelGuide,
             write debug: DebugPixel,
@@ -37,11 +37,11 @@ stage! {
 /// How much a disc darkens to its rim in the view that shows discs as such.
 const RIM: f32 = 0.6;
 
-/// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal at the
-/// centre itself.
+/// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal
+/// at the centre, where no lookup asks.
 fn mean_distance(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
-    let local = match distance > 0.0 {
+    let local = match distance >= 0.02 * pose.radius {
         true => sampling::to_local(d / distance, pose.normal),
         false => Vec3::Z,
     };
@@ -63,7 +63,7 @@ fn weighted(
     point: Vec3,
     normal: Vec3,
     s: &lookup::Surfels<'_>,
-    value_of: impl Fn(usize) -> f32,
+    values: &[f32],
     mean: bool,
 ) -> DebugPixel {
     let (mut weights, mut sum) = (0.0, 0.0);
@@ -72,7 +72,7 @@ fn weighted(
         let pose = &s.poses[id];
         let d = point - pose.position;
         let mut weight = lookup::falloff(d, pose) * lookup::alignment(normal, pose);
-        let value = value_of(id);
+        let value = values[id];
         if weight <= 0.0 || value < 0.0 {
             continue;
         }
@@ -95,7 +95,7 @@ fn nearest(
     point: Vec3,
     normal: Vec3,
     s: &lookup::Surfels<'_>,
-    value_of: impl Fn(usize) -> f32,
+    values: &[f32],
 ) -> Option<(usize, f32)> {
     let mut found = None;
     let mut least = f32::MAX;
@@ -105,7 +105,7 @@ fn nearest(
         let d = point - pose.position;
         let squared = d.dot(d);
         let overlaps = || lookup::falloff(d, pose) * lookup::alignment(normal, pose) > 0.0;
-        if squared < least && value_of(id) >= 0.0 && overlaps() {
+        if squared < least && values[id] >= 0.0 && overlaps() {
             found = Some((id, squared));
             least = squared;
         }
@@ -123,7 +123,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         settings: p.settings,
     };
     let view = DebugView::of(p.settings.debug);
-    let value_of = |id: usize| p.values.get(id).copied().unwrap_or(0.0);
+    let values = p.values.slice();
     for i in group.range(p.batch.count) {
         let point = &p.points[i];
         if !surface::is_surface(point) {
@@ -133,11 +133,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let normal = octahedral::unpack(point.shading_normal);
         if let Some(DebugView::Coverage | DebugView::RayCount) = view {
             let mean = view == Some(DebugView::RayCount);
-            let pixel = weighted(point.position, normal, &surfels, value_of, mean);
+            let pixel = weighted(point.position, normal, &surfels, values, mean);
             p.debug.set(i, pixel);
             continue;
         }
-        let Some((id, squared)) = nearest(point.position, normal, &surfels, value_of) else {
+        let Some((id, squared)) = nearest(point.position, normal, &surfels, values) else {
             p.debug.set(i, debug::NOTHING);
             continue;
         };
@@ -156,9 +156,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             Some(DebugView::Surfels) => {
                 let rim = squared / (pose.radius * pose.radius);
                 let light = debug::headlight(p.camera.eye - point.position, normal);
-                debug::pixel(value_of(id), (1.0 - RIM * rim) * light)
+                debug::pixel(values[id], (1.0 - RIM * rim) * light)
             }
-            _ => debug::pixel(value_of(id), 1.0),
+            _ => debug::pixel(values[id], 1.0),
         };
         p.debug.set(i, pixel);
     }

@@ -6,7 +6,7 @@ use gibs_graph::{Workgroup, stage};
 
 stage! {
     /// A number for each surfel, in the unit of the view that [`SurfelSettings::debug`] names; -1 for slots that are free,
-    /// and for surfels without light where `irradiance` is bound, which weigh nothing in a lookup. Of what else is
+    /// and where `irradiance` is bound also for surfels without a ray yet, which weigh nothing in a lookup. Of what else is
     /// optional, a view has what it shows.
     pub stage DebugSurfels {
         wgsl: gibs_shaders::stages::DEBUG_SURFELS,
@@ -26,6 +26,9 @@ stage! {
         wide: None,
     }
 }
+
+/// Of a surfel at the eye itself, for a radius that is a number.
+const LEAST_DISTANCE: f32 = 1e-20;
 
 /// Short-term standard deviation of a surfel's irradiance over its mean: what steers the estimator and ray requests.
 #[inline]
@@ -49,7 +52,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let value = match view {
             Some(DebugView::Surfels) => i as f32,
             Some(DebugView::Radius) => {
-                pose.radius / (p.camera.pixel_angle * (pose.position - p.camera.eye).length())
+                let distance = (pose.position - p.camera.eye).length();
+                pose.radius / (p.camera.pixel_angle * distance.max(LEAST_DISTANCE))
             }
             Some(DebugView::Variance) => p.irradiance.get(i).map_or(0.0, deviation),
             Some(DebugView::RayCount) if !p.offsets.is_empty() => {

@@ -5,7 +5,7 @@ use crate::frame::{DebugView, SceneInputs};
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
 
-/// What the view shows of each surfel; `None` where it needs nothing but what drawing finds.
+/// What the view shows of each surfel; `None` for views that show none.
 ///
 /// Recorded before surfels are born: those of this frame are in no cell yet, and what looks at `unseen` does so before
 /// pixels reset it.
@@ -18,10 +18,12 @@ pub(super) fn surfel_values(
     ray_offsets: &Buffer<u32>,
 ) -> Option<Buffer<f32>> {
     use DebugView::*;
-    let counts_samples = matches!(view, Coverage | Variance | RayCount);
-    if !(counts_samples || matches!(view, Surfels | Radius | Life | Unseen)) {
-        return None;
-    }
+    // What rays have brought is there once they have.
+    let is_learned = match view {
+        TransformId | Grid | CellHeat => return None,
+        Surfels | Radius | Life | Unseen => false,
+        Coverage | Variance | RayCount | DepthFunction | Guide => true,
+    };
     let capacity = surfels.poses.len();
     let values = g.transient("debug_surfels", capacity);
     let found = g.add::<debug_surfels::DebugSurfels>(
@@ -32,7 +34,7 @@ pub(super) fn surfel_values(
             settings,
             poses: &surfels.poses,
             births: (view == Life).then_some(&surfels.births),
-            irradiance: counts_samples.then_some(&surfels.irradiance),
+            irradiance: is_learned.then_some(&surfels.irradiance),
             offsets: (view == RayCount).then_some(ray_offsets),
             unseen: (view == Unseen).then_some(&surfels.unseen),
             values,
@@ -60,36 +62,39 @@ pub(super) fn draw(
     let pixels = u64::from(frame.size[0]) * u64::from(frame.size[1]);
     let debug = g.transient("debug", pixels);
     let dispatch = Dispatch::Elements(pixels);
-    let drawn = if matches!(view, TransformId | Grid | CellHeat) {
-        let inputs = debug_surface::Inputs {
-            batch: &scene.pixels,
-            camera: &scene.camera,
-            grid: &grid.shape,
-            settings,
-            points,
-            cells: (view == CellHeat).then_some(&grid.cells),
-            debug,
-        };
-        g.add::<debug_surface::DebugSurface>("debug/surface", inputs, dispatch)
-            .debug
-    } else {
-        let has_depths = matches!(view, Coverage | RayCount | DepthFunction);
-        let inputs = debug_discs::Inputs {
-            batch: &scene.pixels,
-            camera: &scene.camera,
-            grid: &grid.shape,
-            settings,
-            points,
-            cells: &grid.cells,
-            entries: &grid.entries,
-            poses: &surfels.poses,
-            values,
-            depths: surfels.depths.as_ref().filter(|_| has_depths),
-            guides: surfels.guides.as_ref().filter(|_| view == Guide),
-            debug,
-        };
-        g.add::<debug_discs::DebugDiscs>("debug/discs", inputs, dispatch)
-            .debug
+    let drawn = match values {
+        None => {
+            let inputs = debug_surface::Inputs {
+                batch: &scene.pixels,
+                camera: &scene.camera,
+                grid: &grid.shape,
+                settings,
+                points,
+                cells: (view == CellHeat).then_some(&grid.cells),
+                debug,
+            };
+            g.add::<debug_surface::DebugSurface>("debug/surface", inputs, dispatch)
+                .debug
+        }
+        Some(values) => {
+            let has_depths = matches!(view, Coverage | RayCount | DepthFunction);
+            let inputs = debug_discs::Inputs {
+                batch: &scene.pixels,
+                camera: &scene.camera,
+                grid: &grid.shape,
+                settings,
+                points,
+                cells: &grid.cells,
+                entries: &grid.entries,
+                poses: &surfels.poses,
+                values,
+                depths: surfels.depths.as_ref().filter(|_| has_depths),
+                guides: surfels.guides.as_ref().filter(|_| view == Guide),
+                debug,
+            };
+            g.add::<debug_discs::DebugDiscs>("debug/discs", inputs, dispatch)
+                .debug
+        }
     };
     g.output("debug", &drawn);
 }
