@@ -70,6 +70,11 @@ struct Readme;
 #[doc = include_str!("../docs/extending.md")]
 struct Extending;
 
+/// Runs the program in the guide to debugging.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/debugging.md")]
+struct Debugging;
+
 /// Runs the programs in the guide to embedding.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/embedding.md")]

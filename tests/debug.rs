@@ -371,7 +371,7 @@ fn guides_are_drawn_on_discs() {
         let (pose, texels) = (&poses[slot as usize], &guides[slot as usize]);
         let has = |i: u32| guide::texel(texels, i) as f32 / 255.0 == value;
         assert!((0..36).any(has), "{value} is no texel of surfel {slot}");
-        if (point.position - pose.position).length() < 0.2 * pose.radius {
+        if (point.position - pose.position).length() < 0.1 * pose.radius {
             assert!(
                 [14, 15, 20, 21].into_iter().any(has),
                 "{value} in the middle"
@@ -380,7 +380,7 @@ fn guides_are_drawn_on_discs() {
         }
         bright += usize::from(value == 1.0);
     }
-    assert!(met > 50 && bright > 50, "{met}, {bright}");
+    assert!(met > 20 && bright > 20, "{met}, {bright}");
 }
 
 #[test]

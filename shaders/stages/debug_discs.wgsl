@@ -32,6 +32,8 @@ import package::vector::{vector_dot, vector_length};
 
 /// How much a disc darkens to its rim in the view that shows discs as such.
 const RIM: f32 = 0.6;
+/// Share of a disc's radius that its guide is drawn on: about as much as its neighbours leave of it.
+const GUIDE_REACH: f32 = 0.5;
 
 @if(depths)
 fn share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -58,11 +60,15 @@ fn mean_distance(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return -1.0;
 }
 
-/// The guide's texel at a point of the disc, which is the hemisphere seen from above.
+/// The guide's texel at a point of the disc's middle, which is the hemisphere seen from above; nothing beyond.
 @if(guides)
 fn guide_at(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
-    let local = sampling_to_local(d / pose.radius, pose.normal);
-    let z = sqrt(max(1.0 - local.x * local.x - local.y * local.y, 0.0));
+    let local = sampling_to_local(d / (GUIDE_REACH * pose.radius), pose.normal);
+    let squared = 1.0 - local.x * local.x - local.y * local.y;
+    if squared < 0.0 {
+        return -1.0;
+    }
+    let z = sqrt(squared);
     return f32(guide_texel(id, guide_texel_of(vec3<f32>(local.xy, z)))) / 255.0;
 }
 @else

@@ -90,7 +90,7 @@ debug_views! {
     CellHeat = 10, "cell-heat", "surfels", Heat(128.0);
     /// mean distance in the depth function of the nearest surfel, in the direction from it to the pixel
     DepthFunction = 11, "depth-function", "diameters", Heat(1.0);
-    /// guide of the nearest surfel, drawn on its disc as its hemisphere looks from above
+    /// guide of the nearest surfel, drawn on the middle of its disc as its hemisphere looks from above
     Guide = 12, "guide", "share of its brightest texel", Heat(1.0);
 }
 

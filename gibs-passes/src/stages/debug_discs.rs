@@ -37,6 +37,9 @@ stage! {
 /// How much a disc darkens to its rim in the view that shows discs as such.
 const RIM: f32 = 0.6;
 
+/// Share of a disc's radius that its guide is drawn on: about as much as its neighbours leave of it.
+const GUIDE_REACH: f32 = 0.5;
+
 /// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal
 /// at the centre, where no lookup asks.
 fn mean_distance(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
@@ -48,13 +51,14 @@ fn mean_distance(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     lookup::depth_moments(depth, Vec3::new(local.x, local.y, local.z.max(0.0))).x
 }
 
-/// The guide's texel at a point of the disc, which is the hemisphere seen from above.
+/// The guide's texel at a point of the disc's middle, which is the hemisphere seen from above; nothing beyond.
 fn guide_at(guide: &SurfelGuide, pose: &SurfelPose, d: Vec3) -> f32 {
-    let local = sampling::to_local(d / pose.radius, pose.normal);
-    let z = (1.0 - local.x * local.x - local.y * local.y)
-        .max(0.0)
-        .sqrt();
-    let direction = Vec3::new(local.x, local.y, z);
+    let local = sampling::to_local(d / (GUIDE_REACH * pose.radius), pose.normal);
+    let squared = 1.0 - local.x * local.x - local.y * local.y;
+    if squared < 0.0 {
+        return debug::NOTHING.value;
+    }
+    let direction = Vec3::new(local.x, local.y, squared.sqrt());
     guide::texel(guide, guide::texel_of(direction)) as f32 / 255.0
 }
 
