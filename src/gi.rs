@@ -9,7 +9,7 @@ use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::HostGbuffer;
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
+    DebugView, FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
     pixel_angle, surfel_frame, upload, upload_frame, upload_scene,
 };
 use gibs_passes::scene::{Camera, Scene};
@@ -218,6 +218,11 @@ impl Gi {
     /// Width and height of the picture.
     pub fn size(&self) -> [u32; 2] {
         self.parts.size
+    }
+
+    /// The debug view that the frame draws: the setting `debug`.
+    pub fn debug_view(&self) -> Option<DebugView> {
+        self.parts.settings.debug
     }
 
     /// Writes geometry, materials, lights and the sky: once for each executable that was prepared from

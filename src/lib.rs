@@ -43,6 +43,7 @@ pub mod builtin;
 mod channels;
 pub mod cli;
 pub mod compare;
+pub mod debug;
 pub mod gi;
 pub mod gltf_import;
 pub mod picture;
@@ -51,6 +52,7 @@ pub mod reference;
 pub mod renderer;
 pub mod view;
 
+pub use debug::DebugPicture;
 pub use gi::{Gi, HostImage};
 pub use gibs_graph as graph;
 pub use gibs_passes as passes;
@@ -67,6 +69,11 @@ struct Readme;
 #[cfg(doctest)]
 #[doc = include_str!("../docs/extending.md")]
 struct Extending;
+
+/// Runs the program in the guide to debugging.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/debugging.md")]
+struct Debugging;
 
 /// Runs the programs in the guide to embedding.
 #[cfg(doctest)]

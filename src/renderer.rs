@@ -1,5 +1,6 @@
 //! Rendering a scene with the surfel frame.
 use crate::channels::{find_output, read_output, set, surface_channels};
+use crate::debug::DebugPicture;
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
 use crate::query::Irradiance;
@@ -81,6 +82,9 @@ pub enum RenderError {
         /// The output asked for.
         what: String,
     },
+    /// The frame draws no debug view.
+    #[error("the frame draws no debug view; name one in the setting `debug`")]
+    NoDebugView,
     /// An engine's G-buffer cannot be read as it is described.
     #[error(transparent)]
     Gbuffer(#[from] HostGbufferError),
@@ -348,7 +352,8 @@ impl Renderer {
         Ok(counters)
     }
 
-    /// The picture after the last frame: the final image in `R G B`, and the channels of a truth.
+    /// The picture after the last frame: the final image in `R G B`, the channels of a truth, and the values of the debug
+    /// view, if there is one, as `debug.NAME`.
     ///
     /// # Errors
     /// [`RenderError::NoFrame`] before the first frame and between a change and the next one, [`RenderError::Backend`].
@@ -372,7 +377,24 @@ impl Renderer {
             .map(|(e, a)| a * e.truncate() * std::f32::consts::FRAC_1_PI);
         set(&mut picture, "indirect", indirect)?;
         picture.set_scalar("coverage.A", irradiance.iter().map(|e| e.w).collect())?;
+        if let Some(view) = self.gi.debug_view() {
+            picture.set_scalar(&view.channel(), self.debug_picture()?.values().to_vec())?;
+        }
         Ok(picture)
+    }
+
+    /// The debug view after the last frame: that of the setting `debug`, which [`Renderer::set_settings`] may change.
+    ///
+    /// # Errors
+    /// [`RenderError::NoDebugView`] where there is none; [`RenderError::NoFrame`] before the first frame and between a
+    /// change and the next one; [`RenderError::Backend`].
+    pub fn debug_picture(&mut self) -> Result<DebugPicture, RenderError> {
+        let view = self.gi.debug_view().ok_or(RenderError::NoDebugView)?;
+        Ok(DebugPicture::new(
+            view,
+            self.gi.size(),
+            &self.output("debug")?,
+        ))
     }
 
     /// The elements of an output after the last frame: one of

@@ -278,6 +278,47 @@ fn files_that_cannot_be_written_are_known_before_any_work() {
 }
 
 #[test]
+fn debug_views_are_listed_refused_and_written() {
+    let help = succeed(&["render", "--help"]);
+    for view in ["surfels", "coverage", "cell-heat", "depth-function"] {
+        assert!(help.contains(&format!("- {view}:")), "{view}: {help}");
+    }
+    let folder = Folder::new("debug");
+    let (exr, png) = (folder.path("a.exr"), folder.path("a.png"));
+    refused(
+        &["render", "cornell", "--debug", "surfel", "--out", &exr],
+        &["'surfel'", "surfels, coverage", "transform-id", "guide"],
+    );
+    refused(
+        &["render", "cornell", "--debug", "guide", "--out", &exr],
+        &["`guide`", "`guiding=on`"],
+    );
+    refused(
+        &["graph", "cornell", "--set", "debug=probes"],
+        &["`probes`", "surfels, coverage"],
+    );
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+
+    let seen = render(&exr, &["--debug", "radius"]);
+    assert_eq!(seen.status.code(), Some(0), "{}", stderr(&seen));
+    let line = "debug view radius, pixels: 0 (black) to 16 (pale yellow); here";
+    assert!(stdout(&seen).contains(line), "{}", stdout(&seen));
+    assert_eq!(folder.names(), ["a.exr", "a.png"]);
+    let picture = Picture::read_exr(Path::new(&exr)).unwrap();
+    let radii = picture.scalar("debug.radius").unwrap();
+    assert!(radii.iter().any(|r| *r > 0.5) && picture.has("E.R"));
+    let beside = std::fs::read(&png).unwrap();
+    let alone = render(&png, &["--debug", "radius", "--json"]);
+    let summary: Value = serde_json::from_str(&stdout(&alone)).unwrap();
+    assert_eq!(summary["debug"]["view"], "radius");
+    assert_eq!(summary["debug"]["scale"]["heat"], 16.0);
+    assert_eq!(std::fs::read(&png).unwrap(), beside);
+    let graph = succeed(&["graph", "cornell", "--set", "debug=grid"]);
+    assert!(graph.contains("debug/surface"), "{graph}");
+    assert!(!succeed(&["graph", "cornell"]).contains("debug/"));
+}
+
+#[test]
 fn settings_are_listed_with_range_and_meaning() {
     let all = json(&["settings", "--json"]);
     let all = all.as_array().unwrap();

@@ -161,8 +161,8 @@ element! {
         pad0: u32,
         /// Zero.
         pad1: u32,
-        /// Zero.
-        pad2: u32,
+        /// Number of the debug view; 0 for none.
+        debug: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -370,6 +370,14 @@ element! {
         /// How far to trust the irradiance as the light of further bounces, 0 to 1: weighted mean of
         /// `lookup::trust` over the surfels.
         confidence: f32,
+    }
+
+    /// What a debug view shows at a pixel.
+    pub struct DebugPixel {
+        /// In the unit of the view, never negative; -1 where there is nothing to show.
+        value: f32,
+        /// Brightness of the colour that stands for the value in a picture, 0 to 1.
+        shade: f32,
     }
 
     /// A path from a surfel: the ray with the same index is its next segment.

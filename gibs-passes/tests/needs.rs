@@ -1,7 +1,9 @@
 //! A frame has stages, buffers and bindings for what its scene needs, and none for the rest.
 use gibs_graph::{Graph, Schedule};
 use gibs_passes::device::DeviceScene;
-use gibs_passes::frame::{SceneSizes, Screen, Settings, SurfelFrame, needs, surfel_frame};
+use gibs_passes::frame::{
+    DebugView, SceneSizes, Screen, Settings, SurfelFrame, needs, surfel_frame,
+};
 use gibs_passes::scene::{Environment, Material, Mesh, Node, Scene};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
@@ -88,6 +90,32 @@ fn every_combination_of_needs_is_a_frame_of_its_own() {
     }
 }
 
+/// Each debug view compiles with and without what it may look at, and adds stages of its own group alone.
+#[test]
+fn a_debug_view_adds_stages_of_its_own() {
+    let sizes = sizes();
+    for combination in 0..4u32 {
+        let mut frame = frame(Screen::Traced, combination & 1 != 0);
+        frame.settings.guiding = combination & 2 != 0;
+        let steps = |frame: &SurfelFrame| {
+            let schedule = compile(frame, &sizes);
+            let labels = schedule.dispatches().map(|(_, step, _)| step.label.clone());
+            labels.collect::<BTreeSet<_>>()
+        };
+        let plain = steps(&frame);
+        assert!(!plain.iter().any(|label| label.starts_with("debug/")));
+        for &view in DebugView::ALL {
+            frame.settings.debug = Some(view);
+            let mut more: Vec<_> = steps(&frame).difference(&plain).cloned().collect();
+            more.retain(|label| label != "debug/surfels");
+            assert!(
+                more == ["debug/discs"] || more == ["debug/surface"],
+                "{view}: {more:?}"
+            );
+        }
+    }
+}
+
 /// What is said to be left out is what the other frame has more, and nothing else.
 #[test]
 fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
@@ -118,7 +146,9 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("cut-outs", false),
             ("depth functions", true),
             ("ray guiding", false),
+            ("irradiance sharing", true),
             ("paths beyond a hit", true),
+            ("debug view", false),
             ("irradiance at points", true)
         ]
     );

@@ -6,7 +6,7 @@ import package::vector::vector_dot;
 /// Texels along each side of a depth function.
 const LOOKUP_DEPTH_SIDE: u32 = 4u;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
-const LOOKUP_SQUASH: f32 = 2.0;
+const LOOKUP_SQUASH: f32 = 4.0;
 /// Weight of a surfel at its own centre.
 const LOOKUP_PEAK: f32 = 2.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
@@ -18,7 +18,7 @@ const LOOKUP_TRUSTED_AFTER: f32 = 32.0;
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 const LOOKUP_LEAST_VARIANCE: f32 = 1e-4;
 /// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
-const LOOKUP_CHEBYSHEV_FLOOR: f32 = 0.25;
+const LOOKUP_CHEBYSHEV_FLOOR: f32 = 0.6;
 
 /// One step of a moment.
 const LOOKUP_MOMENT_SCALE: f32 = 1.0 / 65535.0;
@@ -67,5 +67,7 @@ fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
 /// Normal factor of a surfel for a point.
 fn lookup_alignment(normal: vec3<f32>, pose: SurfelPose) -> f32 {
     let c = max(vector_dot(normal, pose.normal), 0.0);
-    return c * c;
+    let squared = c * c;
+    let fourth = squared * squared;
+    return fourth * fourth;
 }

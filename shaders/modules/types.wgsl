@@ -109,7 +109,7 @@ struct SurfelSettings {
     steered: u32,
     pad0: u32,
     pad1: u32,
-    pad2: u32,
+    debug: u32,
 }
 
 struct Corners {
@@ -226,6 +226,11 @@ struct Gathered {
     weight: f32,
     average: vec3<f32>,
     confidence: f32,
+}
+
+struct DebugPixel {
+    value: f32,
+    shade: f32,
 }
 
 struct Path {

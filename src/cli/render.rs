@@ -2,10 +2,13 @@
 use super::CommandError;
 use super::output::{check_finite, default_out, progress, say, warning, write};
 use super::scene::{SceneArgs, SettingsArgs};
-use crate::Renderer;
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
+use crate::{DebugPicture, Renderer};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gibs_passes::frame::{DebugScale, DebugView};
 use serde::Serialize;
+use std::fmt;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -28,6 +31,9 @@ pub struct Args {
     /// Technique
     #[arg(long, default_value = "gibs", value_parser = ["gibs"])]
     technique: String,
+    /// Draw what the technique does instead of the picture; .exr also gets the values, as channel debug.NAME
+    #[arg(long, value_name = "NAME", value_parser = debug_views())]
+    debug: Option<DebugView>,
     /// Where to write: .exr with all channels and a .png beside it, or .png alone [default: the scene's name]
     #[arg(long, value_name = "F.exr|F.png")]
     out: Option<PathBuf>,
@@ -50,13 +56,72 @@ struct Summary {
     seconds_to_first_frame: f64,
     /// Mean over the frames after the first; none where there is only one.
     seconds_per_frame: Option<f64>,
+    debug: Option<Debug>,
     out: PathBuf,
+}
+
+/// What a debug view shows.
+#[derive(Debug, Serialize)]
+struct Debug {
+    view: DebugView,
+    unit: &'static str,
+    scale: DebugScale,
+    /// Least and largest value; none where there is nothing to show.
+    values: Option<[f32; 2]>,
+}
+
+impl Debug {
+    fn of(picture: &DebugPicture) -> Self {
+        Self {
+            view: picture.view(),
+            unit: picture.view().unit(),
+            scale: picture.view().scale(),
+            values: picture.range(),
+        }
+    }
+}
+
+impl fmt::Display for Debug {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { view, unit, .. } = self;
+        write!(f, "debug view {view}, {unit}: ")?;
+        match self.scale {
+            DebugScale::Names => write!(f, "a colour for each")?,
+            DebugScale::Parts => write!(
+                f,
+                "0 is the cube in grey, 1 to 6 are +x, -x, +y, -y, +z, -z"
+            )?,
+            DebugScale::Heat(most) => write!(f, "0 (black) to {most} (pale yellow)")?,
+            DebugScale::BlueToRed(most) => {
+                write!(f, "{} (blue) over 1 (grey) to {most} (red)", 1.0 / most)?;
+            }
+        }
+        match self.values {
+            Some([least, most]) => write!(f, "; here {} to {}", rounded(least), rounded(most)),
+            None => write!(f, "; nothing to show here"),
+        }
+    }
+}
+
+/// A number with at most three decimals.
+fn rounded(x: f32) -> f64 {
+    (f64::from(x) * 1e3).round() / 1e3
+}
+
+/// The debug views, with what each shows, for the help.
+fn debug_views() -> impl TypedValueParser<Value = DebugView> {
+    let values = DebugView::ALL
+        .iter()
+        .map(|v| PossibleValue::new(v.name()).help(v.about()));
+    PossibleValuesParser::new(values).try_map(|name| name.parse::<DebugView>())
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let start = Instant::now();
-    let settings = args.settings.load()?;
+    let mut settings = args.settings.load()?;
+    settings.debug = args.debug.or(settings.debug);
+    settings.check()?;
     let out = args
         .out
         .clone()
@@ -90,7 +155,18 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     bar.finish_and_clear();
     let seconds_per_frame = steady.elapsed().as_secs_f64() / f64::from(args.frames - 1).max(1.0);
     let picture = renderer.picture()?;
-    write(&picture, &out, loaded.view.exposure)?;
+    let debug = settings
+        .debug
+        .map(|_| renderer.debug_picture())
+        .transpose()?;
+    match &debug {
+        None => write(&picture, &out, loaded.view.exposure)?,
+        Some(debug) if Format::of(&out)? == Format::Exr => {
+            picture.write(&out, loaded.view.exposure)?;
+            debug.write_png(&out.with_extension("png"))?;
+        }
+        Some(debug) => debug.write_png(&out)?,
+    }
     check_finite(&picture)?;
     let counters = renderer.counters()?;
     let summary = Summary {
@@ -107,6 +183,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             .bytes(backend.name() == "cpu"),
         seconds_to_first_frame,
         seconds_per_frame: (args.frames > 1).then_some(seconds_per_frame),
+        debug: debug.as_ref().map(Debug::of),
         out,
     };
     if args.json {
@@ -129,6 +206,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             summary.bytes as f64 / 1e6,
             summary.out.display()
         );
+        if let Some(debug) = &summary.debug {
+            say!("{debug}");
+        }
         if counters.starved > 0 {
             warning!(
                 "{} births found no free surfel; raise `surfels`",

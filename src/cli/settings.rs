@@ -30,5 +30,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             s.about
         );
     }
+    say!(
+        "{:<14} {:>9} {:<12} {:<18} a picture of what the technique does; `gibs render --help` lists the views",
+        "debug",
+        "off",
+        "",
+        "off or a name"
+    );
     Ok(())
 }

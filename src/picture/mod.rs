@@ -20,7 +20,7 @@ pub use color::{linear_to_srgb, luminance, srgb_to_linear};
 pub use error::PictureError;
 pub use file::{WriteError, ensure_writable, replace_file};
 pub use preview::{NON_FINITE_COLOR, OUTSIDE_COLOR, heat_map, tone_map, write_png};
-pub use ramp::inferno;
+pub use ramp::{cool_warm, inferno, name_color};
 
 /// The layer name of the final image, whose channels are plain `R`, `G` and `B`.
 pub const FINAL_IMAGE: &str = "";

@@ -6,6 +6,7 @@ mod settings;
 mod surfels;
 mod trace;
 
+pub use crate::shared::debug::{DebugScale, DebugView, UnknownDebugView};
 pub use inputs::{
     FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload, upload_frame, upload_scene,
     upload_scene_where,

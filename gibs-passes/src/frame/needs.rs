@@ -1,6 +1,6 @@
 //! What a scene and its settings need of the frame, and what that costs: a frame has stages and buffers for its needs
 //! only.
-use super::{SceneSizes, Settings, SurfelFrame, surfel_frame};
+use super::{DebugView, SceneSizes, Settings, SurfelFrame, surfel_frame};
 use gibs_graph::{Graph, GraphErrors, Port, Schedule};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -114,6 +114,20 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             paths > 0,
             format!("the setting continuations = {paths}"),
             &|other| other.continuations = if paths > 0 { 0 } else { 8 },
+        )?,
+        setting(
+            "debug view",
+            settings.debug.is_some(),
+            match settings.debug {
+                Some(view) => format!("the setting debug = {view}"),
+                None => "no debug view".into(),
+            },
+            &|other| {
+                other.debug = match other.debug {
+                    Some(_) => None,
+                    None => Some(DebugView::Surfels),
+                }
+            },
         )?,
         setting(
             "irradiance at points",

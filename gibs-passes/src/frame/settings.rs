@@ -1,5 +1,6 @@
 //! Every setting of the surfel frame, with unit, default and range.
 use crate::data::SurfelSettings;
+use crate::shared::debug::{DebugView, UnknownDebugView};
 use crate::shared::grid::GridLayout;
 use crate::stages::gap_fill::{GROUP, LEAST_TILE};
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,8 @@ pub struct Settings {
     pub grid_half: f32,
     /// See [`Settings::all`].
     pub queries: u32,
+    /// A picture of what the technique does, beside what it renders.
+    pub debug: Option<DebugView>,
 }
 
 impl Default for Settings {
@@ -71,6 +74,7 @@ impl Default for Settings {
             grid_lists: 8,
             grid_half: 1.0 / 64.0,
             queries: 0,
+            debug: None,
         }
     }
 }
@@ -112,12 +116,25 @@ pub enum SettingError {
         /// What it takes.
         want: String,
     },
+    /// No such debug view.
+    #[error(transparent)]
+    View(#[from] UnknownDebugView),
+    /// There is nothing that a debug view could show.
+    #[error(
+        "the debug view `{view}` shows what is switched off: set `{needs}=on`, or choose another view"
+    )]
+    Debug {
+        /// View.
+        view: DebugView,
+        /// Setting that it needs.
+        needs: &'static str,
+    },
 }
 
 macro_rules! settings {
     ($($name:ident: $kind:ident, $unit:literal, $least:expr, $most:expr, $about:literal;)*) => {
         impl Settings {
-            /// Every setting.
+            /// Every setting that is a number or a switch; beside them there is [`Settings::debug`].
             pub fn all() -> Vec<SettingInfo> {
                 let defaults = Settings::default();
                 vec![$(SettingInfo {
@@ -130,7 +147,7 @@ macro_rules! settings {
                 }),*]
             }
 
-            /// Changes one setting from text.
+            /// Changes one setting from text; `debug` takes the name of a view, or `off`.
             ///
             /// # Errors
             /// An unknown name, or a value out of range.
@@ -150,14 +167,22 @@ macro_rules! settings {
                         self.$name = parsed;
                         Ok(())
                     })*
+                    "debug" => {
+                        self.debug = match value {
+                            "off" => None,
+                            name => Some(name.parse()?),
+                        };
+                        Ok(())
+                    }
                     _ => Err(SettingError::Unknown { name: name.into() }),
                 }
             }
 
-            /// Holds every setting against its range; for settings that came from a file.
+            /// Holds every setting against its range, and a debug view against what is on; for settings that came from a
+            /// file.
             ///
             /// # Errors
-            /// The first that is out of range.
+            /// The first that is out of range; [`SettingError::Debug`].
             pub fn check(&self) -> Result<(), SettingError> {
                 $(
                     let number = settings!(@number $kind self.$name);
@@ -169,7 +194,7 @@ macro_rules! settings {
                         });
                     }
                 )*
-                Ok(())
+                self.check_debug()
             }
         }
     };
@@ -251,6 +276,16 @@ impl Settings {
         GridLayout::new(side, self.grid_reach)
     }
 
+    fn check_debug(&self) -> Result<(), SettingError> {
+        let Some(view) = self.debug else {
+            return Ok(());
+        };
+        match view.missing(self) {
+            Some(needs) => Err(SettingError::Debug { view, needs }),
+            None => Ok(()),
+        }
+    }
+
     /// The settings as stages see them.
     pub fn device(&self, size: [u32; 2]) -> SurfelSettings {
         SurfelSettings {
@@ -263,6 +298,7 @@ impl Settings {
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
             steered: u32::from(self.steering),
+            debug: self.debug.map_or(0, DebugView::number),
             ..SurfelSettings::default()
         }
     }

@@ -92,7 +92,11 @@ pub fn ask(
     }
     if sum <= 0.0 {
         return Neighbours {
-            ray_variance: if ray_sum > 0.0 { ray_variance / ray_sum } else { 0.0 },
+            ray_variance: if ray_sum > 0.0 {
+                ray_variance / ray_sum
+            } else {
+                0.0
+            },
             ..Neighbours::default()
         };
     }

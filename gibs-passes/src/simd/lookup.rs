@@ -146,7 +146,9 @@ impl Poses {
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     fn alignment(&self, normal: &Lanes3) -> __m256 {
         let c = positive(dot(normal, &self.normal));
-        let c=_mm256_mul_ps(c, c);let c=_mm256_mul_ps(c, c);_mm256_mul_ps(c, c)
+        let squared = _mm256_mul_ps(c, c);
+        let fourth = _mm256_mul_ps(squared, squared);
+        _mm256_mul_ps(fourth, fourth)
     }
 
     /// [`lookup::visibility`].

@@ -96,7 +96,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         averaged += u32::from(gathered.weight < 1.0 && gathered.average.x > 0.0);
     }
     assert!(
-        covered > 300 && averaged > 300,
+        covered > 200 && averaged > 300,
         "{covered} covered, {averaged} averaged"
     );
 }

@@ -4,6 +4,9 @@ pub mod allocate_rays;
 pub mod batch_args;
 pub mod compose;
 pub mod continue_paths;
+pub mod debug_discs;
+pub mod debug_surface;
+pub mod debug_surfels;
 pub mod export_indirect;
 pub mod gap_fill;
 pub mod gather_direct;
@@ -68,6 +71,9 @@ pub fn all() -> Vec<StageInfo> {
         info::<batch_args::BatchArgs>(),
         info::<compose::Compose>(),
         info::<continue_paths::ContinuePaths>(),
+        info::<debug_discs::DebugDiscs>(),
+        info::<debug_surface::DebugSurface>(),
+        info::<debug_surfels::DebugSurfels>(),
         info::<export_indirect::ExportIndirect>(),
         info::<gap_fill::GapFill>(),
         info::<gather_direct::GatherDirect>(),

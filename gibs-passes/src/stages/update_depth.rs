@@ -55,8 +55,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let mut depth = p.depths.get(i);
         for ray in first..last {
             let local = sampling::to_local(p.rays[ray].direction, pose.normal);
-            let uv =
-                octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
+            let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
             let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
             let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
             let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);

@@ -1,4 +1,5 @@
 //! The surfel frame, in the order of the talk's frame overview.
+mod debug;
 mod filtering;
 mod grid;
 mod rays;
@@ -171,7 +172,8 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
-/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`. Gives what further stages may go on
+/// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
+/// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on
 /// with.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> SurfelOutputs {
     let settings = &frame.settings;
@@ -195,6 +197,10 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let (surfels, slots) =
         recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
 
+    let past = settings.debug.filter(|view| view.is_of_the_past());
+    let past_values = past
+        .and_then(|view| debug::surfel_values(g, view, &scene, &device_settings, &surfels, None));
+
     // Spawn, before rays are traced, so that new surfels have theirs in the same frame
     let (surfels, counters_last) = spawn::spawn_surfels(
         g,
@@ -207,7 +213,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         slots.counters,
         &slots.free,
     );
-    let surfels = rays::integrate_rays(
+    let (surfels, ray_offsets) = rays::integrate_rays(
         g,
         &scene,
         &grid,
@@ -216,6 +222,11 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         settings,
         per_point,
     );
+    let present = settings.debug.filter(|view| !view.is_of_the_past());
+    let debug_values = past_values.or_else(|| {
+        let offsets = Some(&ray_offsets);
+        debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
+    });
 
     // Apply
     let grid = grid::fill_grid(g, "apply/inject", grid, &surfels.poses, capacity);
@@ -229,6 +240,19 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         seen,
         per_point,
     );
+    if let Some(view) = settings.debug {
+        debug::draw(
+            g,
+            view,
+            &scene,
+            frame,
+            &grid,
+            &device_settings,
+            &surfels,
+            debug_values.as_ref(),
+            &lit.points,
+        );
+    }
     if settings.queries > 0 {
         answer(
             g,

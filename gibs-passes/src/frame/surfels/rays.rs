@@ -7,7 +7,8 @@ use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 
-/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions.
+/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions. Also gives the
+/// first ray of each surfel, and after the last surfel the number of rays.
 pub(super) fn integrate_rays(
     g: &mut Graph,
     scene: &SceneInputs,
@@ -16,7 +17,7 @@ pub(super) fn integrate_rays(
     mut surfels: Surfels,
     settings: &Settings,
     per_point: u32,
-) -> Surfels {
+) -> (Surfels, Buffer<u32>) {
     let capacity = u64::from(settings.surfels);
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
@@ -183,7 +184,7 @@ pub(super) fn integrate_rays(
         depths,
         ..surfels
     };
-    filtering::filter(
+    let surfels = filtering::filter(
         g,
         scene,
         grid,
@@ -192,7 +193,8 @@ pub(super) fn integrate_rays(
         settings,
         &allocated.offsets,
         &radiance,
-    )
+    );
+    (surfels, allocated.offsets)
 }
 
 /// The rays of one path depth.
