@@ -18,3 +18,4 @@ pub mod sampling;
 pub mod scan;
 pub mod surface;
 pub mod texture;
+pub mod upsample;
