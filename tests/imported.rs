@@ -3,9 +3,9 @@ mod common;
 
 use common::{all_backends, cpu, settings};
 use gibs::builtin;
-use gibs::graph::Executable;
+use gibs::graph::{Backend, Executable};
 use gibs::passes::data::{HostGbuffer, SurfacePoint};
-use gibs::passes::frame::Screen;
+use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::shared::gbuffer::NORMALS_UNSIGNED;
 use gibs::passes::shared::{octahedral, surface};
 use gibs::{Gi, HostImage, Renderer};
@@ -57,22 +57,23 @@ fn draw(points: &[SurfacePoint], eye: Vec3, forward: Vec3, host: &HostGbuffer) -
 }
 
 /// Frames with those images, uploaded; the indirect light after the last.
-fn imported(name: &str, backend: &dyn gibs::graph::Backend, host: &HostGbuffer) -> Vec<Vec4> {
-    imported_with(name, backend, host).0
+fn imported(name: &str, backend: &dyn Backend, host: &HostGbuffer) -> Vec<Vec4> {
+    imported_with(name, backend, host, &settings(RAYS)).0
 }
 
 fn imported_with(
     name: &str,
-    backend: &dyn gibs::graph::Backend,
+    backend: &dyn Backend,
     host: &HostGbuffer,
+    settings: &Settings,
 ) -> (Vec<Vec4>, Images) {
     let (scene, view) = builtin::by_name(name).expect("built in");
     let mut traced =
-        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &settings(RAYS), 0).expect("a renderer");
+        Renderer::new(cpu().as_ref(), &scene, &view, SIZE, settings, 0).expect("a renderer");
     traced.frame().expect("a frame");
     let points: Vec<SurfacePoint> = output(traced.executable(), "points");
 
-    let mut gi = Gi::new(&scene, &view, SIZE, &settings(RAYS), Screen::Imported).expect("a frame");
+    let mut gi = Gi::new(&scene, &view, SIZE, settings, Screen::Imported).expect("a frame");
     let mut exec = backend
         .prepare(gi.schedule().clone())
         .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
@@ -149,7 +150,7 @@ fn radiance_is_irradiance_times_albedo_over_pi() {
         exposure: 4.0,
         ..plain
     };
-    let (e, images) = imported_with("cornell", cpu().as_ref(), &plain);
+    let (e, images) = imported_with("cornell", cpu().as_ref(), &plain, &settings(RAYS));
     let l = imported("cornell", cpu().as_ref(), &radiance);
     let mut lit = 0;
     for ((e, l), albedo) in e.iter().zip(&l).zip(&images.albedo) {
@@ -204,11 +205,19 @@ fn a_frame_that_imports_nothing_takes_no_description() {
 #[test]
 fn backends_import_alike() {
     let host = HostGbuffer::perspective(0.1, None, true).expect("planes");
-    let expected = imported("cornell", cpu().as_ref(), &host);
-    for backend in all_backends() {
-        let got = imported("cornell", backend.as_ref(), &host);
-        let differing = got.iter().zip(&expected).filter(|(a, b)| a != b).count();
-        assert_eq!(differing, 0, "{}: texels differ", backend.name());
+    for half_resolution in [true, false] {
+        let settings = Settings {
+            half_resolution,
+            ..settings(RAYS)
+        };
+        let light = |backend: &dyn Backend| imported_with("cornell", backend, &host, &settings).0;
+        let expected = light(cpu().as_ref());
+        for backend in all_backends() {
+            let got = light(backend.as_ref());
+            let differing = got.iter().zip(&expected).filter(|(a, b)| a != b).count();
+            let at = format!("{}, half resolution {half_resolution}", backend.name());
+            assert_eq!(differing, 0, "{at}: texels differ");
+        }
     }
 }
 

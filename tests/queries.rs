@@ -15,6 +15,8 @@ const SIZE: [u32; 2] = [48, 48];
 fn asking(queries: u32) -> Settings {
     Settings {
         queries,
+        // Every pixel of the picture is asked, none is interpolated.
+        half_resolution: false,
         ..settings(4000)
     }
 }

@@ -157,8 +157,8 @@ element! {
         continuations: u32,
         /// 1 where the variance of surfels decides about their rays.
         steered: u32,
-        /// Zero.
-        pad0: u32,
+        /// Pixels along each side of a texel of gap filling, 1 or 2.
+        stride: u32,
         /// Zero.
         pad1: u32,
         /// Number of the debug view; 0 for none.

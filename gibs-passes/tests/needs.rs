@@ -55,7 +55,7 @@ fn compile(frame: &SurfelFrame, sizes: &SceneSizes) -> Schedule {
 /// Every combination of needs compiles, and what it leaves out is neither bound nor allocated.
 #[test]
 fn every_combination_of_needs_is_a_frame_of_its_own() {
-    for combination in 0..256u32 {
+    for combination in 0..512u32 {
         let bit = |i: u32| combination >> i & 1 != 0;
         let screen = [Screen::Traced, Screen::Imported][usize::from(bit(0))];
         let sizes = sizes()
@@ -66,6 +66,7 @@ fn every_combination_of_needs_is_a_frame_of_its_own() {
             .with_emitters(u64::from(bit(6)));
         let mut frame = frame(screen, bit(5));
         frame.settings.guiding = bit(7);
+        frame.settings.half_resolution = bit(8);
         let schedule = compile(&frame, &sizes);
         let ports = |port: &str| {
             schedule
@@ -83,6 +84,11 @@ fn every_combination_of_needs_is_a_frame_of_its_own() {
         assert_eq!(has("surfel_depths"), bit(5), "{combination:b}");
         assert_eq!(has("scene_emitters"), bit(6), "{combination:b}");
         assert_eq!(has("surfel_guides"), bit(7), "{combination:b}");
+        let upsamples = schedule
+            .dispatches()
+            .any(|(_, s, _)| s.label == "apply/upsample");
+        assert_eq!(upsamples, bit(8), "{combination:b}");
+        assert_eq!(has("apply_packed_points"), bit(8), "{combination:b}");
         let traces_materials = ports("materials").iter().any(|l| l.contains("ray_trace"));
         assert_eq!(traces_materials, bit(4), "{combination:b}");
         let traces_texels = ports("texels").iter().any(|l| l.contains("ray_trace"));
@@ -131,6 +137,19 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             "apply/compose.environment"
         ]
     );
+    let half = listed.iter().find(|n| n.name == "half resolution");
+    let half = half.expect("listed");
+    let added = [
+        "apply/select_pixels",
+        "apply/select_scan_blocks",
+        "apply/select_scan_sums",
+        "apply/select_scan_apply",
+        "apply/batch",
+        "apply/pack_points",
+        "apply/upsample",
+    ];
+    assert!(half.present && half.stages == added, "{half:?}");
+    assert!(half.bindings.is_empty(), "{half:?}");
     let with = compile(&frame, &sizes.with_sky(true));
     let without = compile(&frame, &sizes);
     let more = with.bytes(false) as i64 - without.bytes(false) as i64;
@@ -144,6 +163,7 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("emitter sampling", false),
             ("textures", false),
             ("cut-outs", false),
+            ("half resolution", true),
             ("depth functions", true),
             ("ray guiding", false),
             ("irradiance sharing", true),

@@ -107,7 +107,7 @@ struct SurfelSettings {
     clamp: u32,
     continuations: u32,
     steered: u32,
-    pad0: u32,
+    stride: u32,
     pad1: u32,
     debug: u32,
 }

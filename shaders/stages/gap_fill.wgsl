@@ -5,6 +5,7 @@ import package::hash::{hash_hash2, hash_hash3, hash_unit};
 import package::invocation::invocation_group;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
+import package::upsample::upsample_pixel_of;
 import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -24,7 +25,7 @@ import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDept
 const GROUP: u32 = 16u;
 
 /// Per tile: share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
-var<workgroup> least: array<atomic<u32>, 16>;
+var<workgroup> least: array<atomic<u32>, 64>;
 
 /// A pixel sees a surfel.
 fn coverage_seen(id: u32) {
@@ -44,17 +45,19 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // As many as there is room for: one, four or sixteen.
+    // As many as there is room for: one, four, sixteen or sixty-four.
     let tiles = arrayLength(&candidates) / (groups.x * groups.y);
-    let across = select(select(1u, 2u, tiles >= 4u), 4u, tiles >= 16u);
+    let across = select(select(select(1u, 2u, tiles >= 4u), 4u, tiles >= 16u), 8u, tiles >= 64u);
     let side = GROUP / across;
     let first = invocation_group(group, groups) * across * across;
-    if lane < 16u {
+    if lane < 64u {
         atomicStore(&least[lane], NONE);
     }
     workgroupBarrier();
-    let at = texel(group, lane);
-    if at.x < camera.width && at.y < camera.height {
+    let size = vec2<u32>(camera.width, camera.height);
+    let here = texel(group, lane);
+    if all(here * settings.stride < size) {
+        let at = upsample_pixel_of(here, settings.stride, frame.number, size);
         let point = points[at.y * camera.width + at.x];
         if surface_is_surface(point) {
             let normal = octahedral_unpack(point.shading_normal);
@@ -76,7 +79,7 @@ fn main(
         let share = f32(found >> 16u) / 65534.0;
         let random = hash_unit(hash_hash3(frame.number, tile, frame.seed));
         if random < 1.0 - share {
-            let chosen = texel(group, found & 0xffu);
+            let chosen = upsample_pixel_of(texel(group, found & 0xffu), settings.stride, frame.number, size);
             candidate = chosen.y * camera.width + chosen.x;
         }
     }

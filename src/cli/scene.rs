@@ -105,6 +105,7 @@ pub struct SettingsArgs {
 /// Elements that `--without` switches off, and what that sets.
 const ELEMENTS: &[(&str, &str, &str)] = &[
     ("depth", "depth", "off"),
+    ("half-resolution", "half_resolution", "off"),
     ("guiding", "guiding", "off"),
     ("steering", "steering", "off"),
     ("emitters", "emitters", "off"),

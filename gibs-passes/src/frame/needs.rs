@@ -83,6 +83,19 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             sizes.with_cut_outs(!sizes.cut_outs),
         )?,
         setting(
+            "half resolution",
+            settings.half_resolution,
+            format!(
+                "the setting half_resolution = {}",
+                if settings.half_resolution {
+                    "on"
+                } else {
+                    "off"
+                }
+            ),
+            &|other| other.half_resolution = !other.half_resolution,
+        )?,
+        setting(
             "depth functions",
             settings.depth,
             format!(

@@ -21,6 +21,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub lookup: u32,
     /// See [`Settings::all`].
+    pub half_resolution: bool,
+    /// See [`Settings::all`].
     pub depth: bool,
     /// See [`Settings::all`].
     pub depth_blend: f32,
@@ -60,6 +62,7 @@ impl Default for Settings {
             radius: 0.0,
             coverage: 1.0,
             lookup: 128,
+            half_resolution: true,
             depth: true,
             depth_blend: 0.05,
             clamp: false,
@@ -213,6 +216,7 @@ settings! {
     radius: f32, "pixels", 0.0, 64.0, "target radius of a surfel on screen; 0 to fit as many as there is room for";
     coverage: f32, "", 0.1, 8.0, "summed weight of surfels at which spawning stops";
     lookup: u32, "surfels", 1, 4096, "most surfels that a lookup visits in a cell";
+    half_resolution: bool, "", 0.0, 1.0, "fill gaps and gather surfels at half the width and height, but for edges; else at every pixel";
     depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
     depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
@@ -253,11 +257,17 @@ impl Settings {
         fitting.clamp(LEAST, 16.0)
     }
 
-    /// Side of the tiles in each of which a surfel may be born in a frame: about as wide as one, within what the stage
-    /// allows.
+    /// Pixels along each side of a texel of gap filling.
+    pub fn stride(&self) -> u32 {
+        1 + u32::from(self.half_resolution)
+    }
+
+    /// Side of the tiles in each of which a surfel may be born in a frame, in texels of gap filling. In pixels it does not
+    /// depend on those: about as wide as a surfel, within what the stage allows.
     pub fn tile_in(&self, size: [u32; 2]) -> u32 {
+        const LEAST_PIXELS: u32 = 2 * LEAST_TILE;
         let wide = (2.0 * self.radius_in(size)) as u32;
-        (1 << wide.max(1).ilog2()).clamp(LEAST_TILE, GROUP)
+        (1 << wide.max(1).ilog2()).clamp(LEAST_PIXELS, GROUP) / self.stride()
     }
 
     /// The grid's shape for a picture where a pixel subtends this angle, radians.
@@ -299,6 +309,7 @@ impl Settings {
             continuations: self.continuations,
             steered: u32::from(self.steering),
             debug: self.debug.map_or(0, DebugView::number),
+            stride: self.stride(),
             ..SurfelSettings::default()
         }
     }

@@ -20,3 +20,4 @@ pub mod scan;
 pub mod sharing;
 pub mod surface;
 pub mod texture;
+pub mod upsample;

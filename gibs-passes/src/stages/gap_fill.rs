@@ -2,7 +2,7 @@
 use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::{hash, lookup, octahedral, surface};
+use crate::shared::{hash, lookup, octahedral, surface, upsample};
 use crate::simd;
 use gibs_graph::{AtomicView, Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -38,7 +38,7 @@ stage! {
 pub const GROUP: u32 = 16;
 
 /// Side of the smallest tile, texels.
-pub const LEAST_TILE: u32 = 4;
+pub const LEAST_TILE: u32 = 2;
 
 const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
 
@@ -77,19 +77,21 @@ fn fill(
         grid: p.grid,
         settings: p.settings,
     };
-    // As many as there is room for: one, four or sixteen.
+    let (stride, number) = (p.settings.stride, p.frame.number);
+    let size = UVec2::new(p.camera.width, p.camera.height);
+    // As many as there is room for: one, four, sixteen or sixty-four.
     let across = (p.candidates.len() as u32 / (group.count[0] * group.count[1])).isqrt();
     let tile = GROUP / across;
     let first = group.linear() * across * across;
     let mut least = [NONE; MOST_TILES];
     for lane in 0..GROUP * GROUP {
         let (column, row) = (lane % GROUP, lane / GROUP);
-        let x = group.id[0] * GROUP + column;
-        let y = group.id[1] * GROUP + row;
-        if x >= p.camera.width || y >= p.camera.height {
+        let texel = UVec2::new(group.id[0], group.id[1]) * GROUP + UVec2::new(column, row);
+        if texel.x * stride >= size.x || texel.y * stride >= size.y {
             continue;
         }
-        let point = &p.points[(y * p.camera.width + x) as usize];
+        let at = upsample::pixel_of(texel, stride, number, size);
+        let point = &p.points[(at.y * size.x + at.x) as usize];
         if !surface::is_surface(point) {
             continue;
         }
@@ -109,9 +111,12 @@ fn fill(
             let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
             if random < 1.0 - share {
                 let lane = least & 0xff;
-                let x = group.id[0] * GROUP + lane % GROUP;
-                let y = group.id[1] * GROUP + lane / GROUP;
-                candidate = y * p.camera.width + x;
+                let texel = UVec2::new(
+                    group.id[0] * GROUP + lane % GROUP,
+                    group.id[1] * GROUP + lane / GROUP,
+                );
+                let at = upsample::pixel_of(texel, stride, number, size);
+                candidate = at.y * size.x + at.x;
             }
         }
         p.candidates.set(tile as usize, candidate);

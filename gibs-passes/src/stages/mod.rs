@@ -18,6 +18,7 @@ pub mod grid_scatter;
 pub mod import_gbuffer;
 pub mod integrate;
 pub mod light_batch;
+pub mod pack_points;
 pub mod positional_update;
 pub mod primary_rays;
 pub mod recycle;
@@ -33,6 +34,7 @@ pub mod sample_lights;
 pub mod scan_apply;
 pub mod scan_blocks;
 pub mod scan_sums;
+pub mod select_pixels;
 pub mod shade_hits;
 pub mod share_irradiance;
 pub mod spawn;
@@ -42,6 +44,7 @@ pub mod trace_any;
 pub mod trace_closest;
 pub mod update_depth;
 pub mod update_guide;
+pub mod upsample;
 
 use gibs_graph::{KernelSource, Port, Stage};
 
@@ -85,6 +88,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<import_gbuffer::ImportGbuffer>(),
         info::<integrate::Integrate>(),
         info::<light_batch::LightBatch>(),
+        info::<pack_points::PackPoints>(),
         info::<positional_update::PositionalUpdate>(),
         info::<primary_rays::PrimaryRays>(),
         info::<recycle::Recycle>(),
@@ -100,6 +104,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<scan_apply::ScanApply>(),
         info::<scan_blocks::ScanBlocks>(),
         info::<scan_sums::ScanSums>(),
+        info::<select_pixels::SelectPixels>(),
         info::<shade_hits::ShadeHits>(),
         info::<share_irradiance::ShareIrradiance>(),
         info::<spawn::Spawn>(),
@@ -109,5 +114,6 @@ pub fn all() -> Vec<StageInfo> {
         info::<trace_closest::TraceClosest>(),
         info::<update_depth::UpdateDepth>(),
         info::<update_guide::UpdateGuide>(),
+        info::<upsample::Upsample>(),
     ]
 }

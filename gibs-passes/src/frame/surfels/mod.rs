@@ -6,6 +6,7 @@ mod rays;
 mod recycle;
 mod screen;
 mod spawn;
+mod upsample;
 
 use super::trace::{Batch, direct_light};
 use super::{SceneInputs, SceneSizes, Settings};

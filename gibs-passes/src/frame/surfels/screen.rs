@@ -1,5 +1,5 @@
 //! The surfaces that are seen, and their light: the ends of the frame.
-use super::{Grid, Light, Screen, SurfelFrame, Surfels, gather};
+use super::{Grid, Light, Screen, SurfelFrame, Surfels, gather, upsample};
 use crate::data::*;
 use crate::frame::SceneInputs;
 use crate::frame::trace::{Batch, direct_light, gbuffer};
@@ -90,16 +90,25 @@ pub(super) fn apply(
 ) -> Lit {
     let pixel_batch = batch(scene, frame);
     let Seen { points, by } = seen;
-    let gathered = gather(
-        g,
-        "apply/lighting_apply",
-        grid,
-        settings,
-        surfels,
-        &pixel_batch,
-        &points,
-        "apply_gathered",
-    );
+    let light = |g: &mut Graph, batch: &Batch<'_>, points: &Buffer<SurfacePoint>, name: &str| {
+        gather(
+            g,
+            "apply/lighting_apply",
+            grid,
+            settings,
+            surfels,
+            batch,
+            points,
+            name,
+        )
+    };
+    let gathered = if frame.settings.half_resolution {
+        upsample::at_half_resolution(g, scene, &points, |g, batch, points| {
+            light(g, batch, points, "apply_packed_gathered")
+        })
+    } else {
+        light(g, &pixel_batch, &points, "apply_gathered")
+    };
     let rays = match by {
         By::Rays(rays) => rays,
         By::Host(host) => {

@@ -18,7 +18,9 @@ pub(super) fn spawn_surfels(
     counters: Buffer<SurfelCounters>,
     free_slots: &Buffer<u32>,
 ) -> (Surfels, Buffer<SurfelCounters>) {
-    let groups = frame.size.map(|side| side.div_ceil(gap_fill::GROUP));
+    let groups = frame
+        .size
+        .map(|side| side.div_ceil(gap_fill::GROUP * frame.settings.stride()));
     let per_group = (gap_fill::GROUP / frame.settings.tile_in(frame.size)).pow(2);
     let tiles = u64::from(groups[0]) * u64::from(groups[1]) * u64::from(per_group);
     let candidates = g.transient("spawn_candidates", tiles);

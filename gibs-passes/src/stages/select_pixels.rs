@@ -1,0 +1,61 @@
+//! `apply/select_pixels`: the pixels that the surfels light themselves (S13).
+use crate::data::{Camera, SurfacePoint};
+use crate::shared::{octahedral, surface, upsample};
+use crate::simd;
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Selects the pixels with even coordinates, a quarter of them, and those at edges: where one of the two or four
+    /// around a pixel sees another surface than it does, or lies beyond the picture. `selected` is 1 for those.
+    pub stage SelectPixels {
+        wgsl: gibs_shaders::stages::SELECT_PIXELS,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform camera: Camera,
+            read points: SurfacePoint,
+            write selected: u32,
+        },
+        cpu: kernel,
+        wide: Some(wide_kernel),
+    }
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let size = UVec2::new(p.camera.width, p.camera.height);
+    for i in group.range(p.points.len() as u32) {
+        // There is no picture yet in a frame that nobody described.
+        let selected = (i as u32) < size.x * size.y
+            && surface::is_surface(&p.points[i])
+            && !between(p, i, size);
+        p.selected.set(i, u32::from(selected));
+    }
+}
+
+/// The pixel lies between selected ones that see its surface.
+#[inline(always)]
+fn between(p: &Views<'_>, i: usize, size: UVec2) -> bool {
+    let (low, high) = upsample::around(UVec2::new(i as u32 % size.x, i as u32 / size.x));
+    if low == high || high.x >= size.x || high.y >= size.y {
+        return false;
+    }
+    let here = &p.points[i];
+    let tolerance = upsample::tolerance(here, p.camera);
+    let geometric = octahedral::unpack(here.geometric_normal);
+    let shading = octahedral::unpack(here.shading_normal);
+    let sees = |x: u32, y: u32| {
+        let there = &p.points[(y * size.x + x) as usize];
+        upsample::continuous(here, (geometric, shading), there, tolerance)
+    };
+    sees(low.x, low.y)
+        && sees(high.x, high.y)
+        && (low.x == high.x || low.y == high.y || (sees(high.x, low.y) && sees(low.x, high.y)))
+}
