@@ -45,6 +45,7 @@ pub mod cli;
 pub mod compare;
 pub mod gi;
 pub mod gltf_import;
+pub mod guiding;
 pub mod picture;
 mod query;
 pub mod reference;
