@@ -16,8 +16,6 @@ const GUIDE_LEAST_SPREAD: f32 = 0.25;
 const GUIDE_RAYS_STEP: u32 = 4u;
 /// Largest count, in steps.
 const GUIDE_MOST_STEPS: u32 = 0x3ffu;
-const GUIDE_PI: f32 = 3.1415927;
-const GUIDE_FRAC_1_PI: f32 = 0.31830987;
 
 /// A texel's value, in steps.
 fn guide_texel(surfel: u32, index: u32) -> u32 {
@@ -35,19 +33,19 @@ fn guide_rays(surfel: u32, identity: u32) -> u32 {
     return select(0u, (scale & GUIDE_MOST_STEPS) * GUIDE_RAYS_STEP, ((scale >> 10u) & 0x3fu) == guide_tag(identity));
 }
 
-/// Integral of the cosine over a texel.
-fn guide_cosine_integral(index: u32) -> f32 {
-    var cosines = array<f32, 9>(
-        0.0144223, 0.040069, 0.0658834, 0.040069, 0.1161117, 0.1678548, 0.0658834, 0.1678548, 0.1072498
+/// Share of the cosine lobe in a texel.
+fn guide_lobe(index: u32) -> f32 {
+    var shares = array<f32, 9>(
+        0.00459075, 0.01275437, 0.02097136, 0.01275437, 0.03695952, 0.05342975, 0.02097136, 0.05342975, 0.03413878
     );
     let x = index % GUIDE_SIDE;
     let y = index / GUIDE_SIDE;
-    return cosines[min(y, GUIDE_SIDE - 1u - y) * 3u + min(x, GUIDE_SIDE - 1u - x)];
+    return shares[min(y, GUIDE_SIDE - 1u - y) * 3u + min(x, GUIDE_SIDE - 1u - x)];
 }
 
 /// What a texel counts in the distribution.
 fn guide_mass(surfel: u32, index: u32) -> f32 {
-    return f32(guide_texel(surfel, index)) * guide_cosine_integral(index);
+    return f32(guide_texel(surfel, index)) * guide_lobe(index);
 }
 
 /// Sum of the distribution; zero for a guide that knows nothing.
@@ -69,14 +67,14 @@ fn guide_share(surfel: u32, identity: u32, total: f32) -> f32 {
     for (var index = 0u; index < GUIDE_TEXELS; index++) {
         squares += guide_mass(surfel, index) * f32(guide_texel(surfel, index));
     }
-    let spread = GUIDE_PI * squares / (total * total) - 1.0;
+    let spread = squares / (total * total) - 1.0;
     let known = min(f32(rays) / GUIDE_FULL_RAYS, 1.0);
     return GUIDE_MOST_GUIDED * (clamp(spread - GUIDE_LEAST_SPREAD, 0.0, 1.0) * known);
 }
 
 /// Probability that a ray not to an emitter falls into a texel, where `share` of them follow the guide.
 fn guide_probability(surfel: u32, total: f32, share: f32, index: u32) -> f32 {
-    let lobe = GUIDE_FRAC_1_PI * guide_cosine_integral(index);
+    let lobe = guide_lobe(index);
     if share <= 0.0 {
         return lobe;
     }

@@ -3,6 +3,7 @@ use super::CommandError;
 use super::output::{say, warning};
 use crate::backends::{self, Choice};
 use crate::guiding::{self, Options, Row};
+use crate::picture::{WriteError, ensure_writable, replace_file};
 use crate::view::load_environment;
 use gibs_passes::scene::EnvironmentMap;
 use serde::Serialize;
@@ -62,6 +63,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     // All of them first, so that a wrong name does not show after minutes.
     let environments = args.environments.iter().map(|name| find(name));
     let environments = environments.collect::<Result<Vec<_>, _>>()?;
+    if let Some(folder) = &args.report {
+        prepare(folder)?;
+    }
     let backend = backends::open(args.backend)?;
     let mut all = Vec::new();
     for (name, map) in environments {
@@ -83,12 +87,56 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             );
             say!("{}", table(&measured.rows));
         }
+        if let Some(folder) = &args.report {
+            let svg = guiding::plot(&measured.environment, &measured.rows);
+            let path = folder.join(format!("{}.svg", measured.environment));
+            replace_file(&path, svg.as_bytes())?;
+        }
         all.push(measured);
+    }
+    if let Some(folder) = &args.report {
+        replace_file(&folder.join(TABLE), csv(&all).as_bytes())?;
     }
     if args.json {
         say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
     }
     Ok(())
+}
+
+/// The file in the folder of a report that has all figures.
+const TABLE: &str = "guiding.csv";
+
+/// Makes the folder and sees that files can be written there.
+fn prepare(folder: &Path) -> Result<(), WriteError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
+        path: folder.to_owned(),
+        source,
+    })?;
+    ensure_writable(&folder.join(TABLE))
+}
+
+/// All figures, a line for each environment and count of rays; errors are relative, not percentages.
+fn csv(all: &[Measured]) -> String {
+    let mut text = String::from("environment,rays");
+    for side in ["cosine", "guided"] {
+        for column in ["error", "plus_minus", "bias", "bias_plus_minus"] {
+            text += &format!(",{side}_{column}");
+        }
+    }
+    text.push('\n');
+    for measured in all {
+        for row in &measured.rows {
+            // A name is text of the user's: quoted as RFC 4180 says.
+            let name = measured.environment.replace('"', "\"\"");
+            text += &format!("\"{name}\",{}", row.rays);
+            for e in [row.cosine, row.guided] {
+                let values = [e.error, e.plus_minus, e.bias, e.bias_plus_minus];
+                text.extend(values.map(|value| format!(",{value}")));
+            }
+            text.push('\n');
+        }
+    }
+    text
 }
 
 /// The name that an environment goes by, and its texels.

@@ -1,9 +1,13 @@
 //! The test bed for where rays go (GIBS, "Ray Guiding"): irradiance probes under an environment map, and how far they are
 //! off after so many rays, over the cosine lobe and guided.
 mod environments;
+mod plot;
+#[cfg(test)]
+mod tests;
 mod truth;
 
 pub use environments::{built_in, names};
+pub use plot::plot;
 pub use truth::irradiance;
 
 use crate::channels::read_output;

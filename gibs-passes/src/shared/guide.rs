@@ -10,7 +10,6 @@ use super::hash::ALMOST_ONE;
 use super::octahedral::{hemisphere_decode, hemisphere_encode};
 use crate::data::SurfelGuide;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, PI};
 
 /// Texels along each side.
 pub const SIDE: u32 = 6;
@@ -18,18 +17,18 @@ pub const SIDE: u32 = 6;
 /// Texels of a guide.
 pub const TEXELS: usize = (SIDE * SIDE) as usize;
 
-/// Integral of the cosine over a texel, by its distances from the nearest edges: what its luminance counts in irradiance.
-/// All 36 sum to pi.
-pub const COSINES: [f32; 9] = [
-    0.014_422_3,
-    0.040_069,
-    0.065_883_4,
-    0.040_069,
-    0.116_111_7,
-    0.167_854_8,
-    0.065_883_4,
-    0.167_854_8,
-    0.107_249_8,
+/// Share of the cosine lobe in a texel, by its distances from the nearest edges: what its luminance counts in irradiance.
+/// All 36 sum to one.
+pub const LOBE: [f32; 9] = [
+    0.004_590_75,
+    0.012_754_37,
+    0.020_971_36,
+    0.012_754_37,
+    0.036_959_52,
+    0.053_429_75,
+    0.020_971_36,
+    0.053_429_75,
+    0.034_138_78,
 ];
 
 /// Rays that a guide has learned from before it is used.
@@ -95,15 +94,15 @@ pub fn texel(guide: &SurfelGuide, index: u32) -> u32 {
 }
 
 #[inline]
-fn cosine_integral(index: u32) -> f32 {
+fn lobe(index: u32) -> f32 {
     let (x, y) = (index % SIDE, index / SIDE);
-    COSINES[(y.min(SIDE - 1 - y) * 3 + x.min(SIDE - 1 - x)) as usize]
+    LOBE[(y.min(SIDE - 1 - y) * 3 + x.min(SIDE - 1 - x)) as usize]
 }
 
 /// What a texel counts in the distribution.
 #[inline]
 fn mass(guide: &SurfelGuide, index: u32) -> f32 {
-    texel(guide, index) as f32 * cosine_integral(index)
+    texel(guide, index) as f32 * lobe(index)
 }
 
 /// Sum of the distribution; zero for a guide that knows nothing.
@@ -123,7 +122,7 @@ pub fn share(guide: &SurfelGuide, identity: u32, total: f32) -> f32 {
         sum + mass(guide, index) * texel(guide, index) as f32
     });
     // Second moment over the square of the first, both under the cosine, less one.
-    let spread = PI * squares / (total * total) - 1.0;
+    let spread = squares / (total * total) - 1.0;
     let known = (rays as f32 / FULL_RAYS as f32).min(1.0);
     MOST_GUIDED * ((spread - LEAST_SPREAD).clamp(0.0, 1.0) * known)
 }
@@ -131,7 +130,7 @@ pub fn share(guide: &SurfelGuide, identity: u32, total: f32) -> f32 {
 /// Probability that a ray not to an emitter falls into a texel, where `share` of them follow the guide.
 #[inline]
 pub fn probability(guide: &SurfelGuide, total: f32, share: f32, index: u32) -> f32 {
-    let lobe = cosine_integral(index) * FRAC_1_PI;
+    let lobe = lobe(index);
     if share <= 0.0 {
         return lobe;
     }
@@ -287,9 +286,9 @@ mod tests {
     }
 
     #[test]
-    fn the_cosines_of_all_texels_sum_to_pi() {
-        let sum: f64 = (0..36).map(|i| f64::from(cosine_integral(i))).sum();
-        assert!((sum - PI).abs() < 1e-5, "{sum}");
+    fn the_lobe_of_all_texels_sums_to_one() {
+        let sum: f64 = (0..36).map(|i| f64::from(lobe(i))).sum();
+        assert!((sum - 1.0).abs() < 1e-5, "{sum}");
         let of = |index| {
             integrate(|d| {
                 if texel_of(d) == index {
@@ -301,7 +300,7 @@ mod tests {
         };
         for index in [0, 1, 2, 7, 8, 14, 35] {
             assert!(
-                (of(index) - f64::from(cosine_integral(index))).abs() < 2e-4,
+                (of(index) / PI - f64::from(lobe(index))).abs() < 1e-4,
                 "{index}"
             );
         }
