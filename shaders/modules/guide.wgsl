@@ -10,8 +10,9 @@ const GUIDE_LEAST_RAYS: u32 = 32u;
 const GUIDE_FULL_RAYS: f32 = 256.0;
 /// Share of the rays that follow a guide in full use, of those that do not go to emitters.
 const GUIDE_MOST_GUIDED: f32 = 0.5;
-/// Relative variance of light between texels, below which a guide is not used; one above, it is used in full.
-const GUIDE_LEAST_SPREAD: f32 = 0.25;
+/// Second moment of light between texels over the square of the first, below which a guide is not used; one above, it is
+/// used in full.
+const GUIDE_LEAST_SPREAD: f32 = 1.25;
 /// Rays in a step of the count that a guide keeps.
 const GUIDE_RAYS_STEP: u32 = 4u;
 /// Largest count, in steps.
@@ -65,9 +66,11 @@ fn guide_share(surfel: u32, identity: u32, total: f32) -> f32 {
     }
     var squares = 0.0;
     for (var index = 0u; index < GUIDE_TEXELS; index++) {
-        squares += guide_mass(surfel, index) * f32(guide_texel(surfel, index));
+        let value = f32(guide_texel(surfel, index));
+        // The constant first: a driver may move it there.
+        squares += guide_lobe(index) * (value * value);
     }
-    let spread = squares / (total * total) - 1.0;
+    let spread = squares / (total * total);
     let known = min(f32(rays) / GUIDE_FULL_RAYS, 1.0);
     return GUIDE_MOST_GUIDED * (clamp(spread - GUIDE_LEAST_SPREAD, 0.0, 1.0) * known);
 }
