@@ -34,10 +34,12 @@ fn guide_rays(surfel: u32, identity: u32) -> u32 {
     return select(0u, (scale & GUIDE_MOST_STEPS) * GUIDE_RAYS_STEP, ((scale >> 10u) & 0x3fu) == guide_tag(identity));
 }
 
-/// Share of the cosine lobe in a texel.
+/// Share of the cosine lobe in a texel: whole multiples of 2^-16, so that sums of masses are exact in whatever order.
 fn guide_lobe(index: u32) -> f32 {
     var shares = array<f32, 9>(
-        0.00459075, 0.01275437, 0.02097136, 0.01275437, 0.03695952, 0.05342975, 0.02097136, 0.05342975, 0.03413878
+        301.0 / 65536.0, 836.0 / 65536.0, 1374.0 / 65536.0,
+        836.0 / 65536.0, 2422.0 / 65536.0, 3502.0 / 65536.0,
+        1374.0 / 65536.0, 3502.0 / 65536.0, 2237.0 / 65536.0,
     );
     let x = index % GUIDE_SIDE;
     let y = index / GUIDE_SIDE;

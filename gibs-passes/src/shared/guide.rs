@@ -18,18 +18,15 @@ pub const SIDE: u32 = 6;
 pub const TEXELS: usize = (SIDE * SIDE) as usize;
 
 /// Share of the cosine lobe in a texel, by its distances from the nearest edges: what its luminance counts in irradiance.
-/// All 36 sum to one.
-pub const LOBE: [f32; 9] = [
-    0.004_590_75,
-    0.012_754_37,
-    0.020_971_36,
-    0.012_754_37,
-    0.036_959_52,
-    0.053_429_75,
-    0.020_971_36,
-    0.053_429_75,
-    0.034_138_78,
-];
+/// All 36 sum to one. They are whole multiples of 2^-16, so that sums of masses are exact in whatever order a device adds.
+pub const LOBE: [f32; 9] = {
+    const fn share(steps: u32) -> f32 {
+        steps as f32 / 65536.0
+    }
+    let (a, b, c) = (share(301), share(836), share(1374));
+    let (d, e, f) = (share(2422), share(3502), share(2237));
+    [a, b, c, b, d, e, c, e, f]
+};
 
 /// Rays that a guide has learned from before it is used.
 pub const LEAST_RAYS: u32 = 32;
