@@ -46,6 +46,7 @@ pub mod compare;
 pub mod debug;
 pub mod gi;
 pub mod gltf_import;
+pub mod guiding;
 pub mod picture;
 mod query;
 pub mod reference;

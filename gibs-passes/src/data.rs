@@ -396,11 +396,13 @@ element! {
         density: f32,
     }
 
-    /// The guide of a surfel (GIBS, "Ray Guiding"): 6x6 bytes of relative luminance over its hemisphere.
+    /// The guide of a surfel (GIBS, "Ray Guiding"): 6x6 bytes of relative luminance over its hemisphere,
+    /// as roots of mean squares.
     pub struct SurfelGuide {
         /// Four texels each, row by row, the first in the lowest byte.
         texels: [u32; 9],
-        /// Luminance of one step, the upper half of an `f32`, in bits 16-31; rays learned from in bits 0-15.
+        /// Luminance of one step, the upper half of an `f32`, in bits 16-31; six bits of the surfel's identity in bits
+        /// 10-15; rays learned from, in fours, in bits 0-9.
         scale: u32,
     }
 

@@ -17,6 +17,9 @@ fn hash_hash3(a: u32, b: u32, c: u32) -> u32 {
     return hash_hash2(a, hash_hash2(b, c));
 }
 
+/// The largest number below one.
+const HASH_ALMOST_ONE: f32 = 1.0 - 1.0 / 16777216.0;
+
 /// The upper 24 bits as a number in `[0, 1)`.
 fn hash_unit(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);

@@ -1,6 +1,6 @@
 // Where a surfel's rays go: over its cosine lobe, or to points on emissive triangles, weighted by the balance heuristic
 // (Veach 1997, section 9.2.2).
-import package::hash::hash_unit;
+import package::hash::HASH_ALMOST_ONE;
 
 /// Share of the rays that go to emitters, in a scene that has some.
 const MIXTURE_TO_EMITTERS: f32 = 1.0 / 3.0;
@@ -27,10 +27,18 @@ fn mixture_guided_density(cosine: f32, guide: f32, guided: f32, emitters: bool) 
     return (lobe + (guide - lobe) * guided) * share;
 }
 
-/// Whether ray `index` of a frame follows the guide, which `guided` of the rays do, by the sequence of the square root of
-/// two.
-fn mixture_follows_guide(index: u32, shift: u32, guided: f32) -> bool {
-    return hash_unit(index * 0x6a09e667u + shift) < guided;
+/// Whether a ray follows the guide, and what is left of the number that decides it.
+struct MixtureChoice {
+    guided: bool,
+    left: f32,
+}
+
+/// The choice by `u` in `[0, 1)`, where `guided` of the rays follow the guide.
+fn mixture_follow_guide(u: f32, guided: f32) -> MixtureChoice {
+    if u < guided {
+        return MixtureChoice(true, min(u / guided, HASH_ALMOST_ONE));
+    }
+    return MixtureChoice(false, min((u - guided) / (1.0 - guided), HASH_ALMOST_ONE));
 }
 
 /// What a sample counts: the cosine lobe's density over that of the mixture.

@@ -5,7 +5,7 @@ import package::draw::{Drawn, draw_ray};
 import package::hash::{hash_hash2, hash_hash3};
 import package::invocation::invocation_index;
 import package::mixture::mixture_goes_to_emitter;
-@if(guides) import package::mixture::{mixture_follows_guide, mixture_guided_density};
+@if(guides) import package::mixture::{mixture_follow_guide, mixture_guided_density};
 import package::sampling::{sampling_r2, sampling_start};
 @if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
 import package::types::{
@@ -31,16 +31,12 @@ struct Guide {
 }
 
 @if(guides)
-fn find_guide(surfel: u32) -> Guide {
-    // Of a surfel without rays, the guide is that of the one that had the slot before.
-    if irradiance[surfel].samples == 0u {
-        return Guide(0.0, 0.0);
-    }
+fn find_guide(surfel: u32, identity: u32) -> Guide {
     let total = guide_total(surfel);
-    return Guide(total, guide_share(surfel, total));
+    return Guide(total, guide_share(surfel, identity, total));
 }
 @else
-fn find_guide(surfel: u32) -> Guide {
+fn find_guide(surfel: u32, identity: u32) -> Guide {
     return Guide(0.0, 0.0);
 }
 
@@ -55,13 +51,11 @@ fn density_of(slot: u32, guide: Guide, local: vec3<f32>, cosine: f32) -> f32 {
     return mixture_guided_density(cosine, guide_density(slot, guide.total, local), guide.share, HAS_EMITTERS);
 }
 
-/// A ray of the surfel in a slot, the one with this index in the frame.
+/// A ray of the surfel in a slot.
 @if(guides)
 fn draw_guided(
     slot: u32,
     pose: SurfelPose,
-    surfel: u32,
-    index: u32,
     uv: vec2<f32>,
     seed: u32,
     at_emitter: bool,
@@ -78,15 +72,12 @@ fn draw_guided(
         }
         return drawn;
     }
-    // Not of the sequence that goes on: the guide knows most where that has just been, and its next points are elsewhere.
-    // Each frame has one of its own.
-    let own_seed = hash_hash2(surfel, frame.number);
-    let own = sampling_r2(index, vec2<u32>(hash_hash2(own_seed, 1u), hash_hash2(own_seed, 2u)));
+    let choice = mixture_follow_guide(uv.x, guide.share);
     var local: vec3<f32>;
-    if mixture_follows_guide(index, hash_hash2(own_seed, 3u), guide.share) {
-        local = guide_draw(slot, guide.total, own);
+    if choice.guided {
+        local = guide_draw(slot, vec2<f32>(choice.left, uv.y));
     } else {
-        local = sampling_cosine_hemisphere(own.x, own.y);
+        local = sampling_cosine_hemisphere(choice.left, uv.y);
     }
     let density = density_of(slot, guide, local, local.z);
     return Drawn(sampling_to_world(local, pose.normal), F32_MAX, local.z, density);
@@ -95,8 +86,6 @@ fn draw_guided(
 fn draw_guided(
     slot: u32,
     pose: SurfelPose,
-    surfel: u32,
-    index: u32,
     uv: vec2<f32>,
     seed: u32,
     at_emitter: bool,
@@ -120,12 +109,12 @@ fn main(
     let pose = poses[i];
     let surfel = hash_hash2(pose.identity, frame.seed);
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
-    let guide = find_guide(i);
+    let guide = find_guide(i, pose.identity);
     for (var ray = first; ray < last; ray++) {
         let index = irradiance[i].samples + (ray - first);
         let seed = hash_hash3(surfel, frame.number, ray - first);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
-        let drawn = draw_guided(i, pose, surfel, ray - first, sampling_r2(index, shift), seed, at_emitter, guide);
+        let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
         let origin = sampling_start(pose.position, pose.normal, births[i].offset, drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
         paths[ray] = Path(vec3<f32>(1.0), ray, seed, settings.continuations, drawn.cosine, drawn.density);

@@ -1,25 +1,40 @@
-// What a surfel's rays brought, into its guide.
+// What the rays of its neighbours brought, into a surfel's guide.
 import package::estimator::estimator_luminance;
-import package::guide::{GUIDE_TEXELS, guide_texel, guide_texel_of};
-import package::hash::{hash_hash2, hash_hash3, hash_unit};
+import package::grid::grid_cell;
+import package::guide::{
+    GUIDE_MOST_STEPS, GUIDE_RAYS_STEP, GUIDE_TEXELS, guide_probability, guide_rays, guide_share, guide_tag, guide_texel,
+    guide_texel_of, guide_total
+};
+import package::hash::{hash_hash2, hash_hash3, hash_pcg, hash_unit};
 import package::invocation::invocation_index;
 import package::sampling::sampling_to_local;
-import package::types::{Frame, Path, Ray, SurfelGuide, SurfelIrradiance, SurfelPose};
+import package::types::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(2) var<storage, read> offsets: array<u32>;
-@group(0) @binding(3) var<storage, read> rays: array<Ray>;
-@group(0) @binding(4) var<storage, read> paths: array<Path>;
-@group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(7) var<storage, read_write> guides: array<SurfelGuide>;
+@group(0) @binding(1) var<uniform> grid: GridShape;
+@group(0) @binding(2) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(3) var<storage, read> entries: array<u32>;
+@group(0) @binding(4) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(5) var<storage, read> offsets: array<u32>;
+@group(0) @binding(6) var<storage, read> rays: array<Ray>;
+@group(0) @binding(7) var<storage, read> paths: array<Path>;
+@group(0) @binding(8) var<storage, read> radiance: array<vec4<f32>>;
+@group(0) @binding(9) var<storage, read_write> guides: array<SurfelGuide>;
 
 const PI: f32 = 3.1415927;
+/// Rays up to which new ones move all texels towards their mean.
+const PRIOR_RAYS: u32 = 64u;
 /// Least share of a new ray in a texel's average.
 const BLEND: f32 = 0.05;
+/// Neighbours that a surfel learns from in a frame, and surfels that it looks at to find them.
+const NEIGHBOURS: u32 = 8u;
+const CANDIDATES: u32 = 16u;
+/// Cosine between the normals of surfels that learn from each other.
+const ALIKE: f32 = 0.7;
+/// Rays of a neighbour that are learned from in a frame.
+const RAYS_OF_NEIGHBOUR: u32 = 32u;
 /// Brightest luminance that a guide holds.
-const MOST_LUMINANCE: f32 = 1e30;
+const MOST_LUMINANCE: f32 = 1e18;
 
 @compute @workgroup_size(64)
 fn main(
@@ -31,47 +46,86 @@ fn main(
     if i >= arrayLength(&poses) {
         return;
     }
-    let first = offsets[i];
-    let last = offsets[i + 1u];
-    if first == last {
+    let pose = poses[i];
+    if pose.radius <= 0.0 {
         return;
     }
-    let pose = poses[i];
-    // Before its first rays are integrated, a surfel's guide is that of the one that had the slot before.
-    let scale = select(guides[i].scale, 0u, irradiance[i].samples == 0u);
-    let old_step = bitcast<f32>(scale & 0xffff0000u);
-    var known = scale & 0xffffu;
-    var luminances: array<f32, GUIDE_TEXELS>;
-    for (var t = 0u; t < GUIDE_TEXELS; t++) {
-        luminances[t] = f32(guide_texel(i, t)) * old_step;
+    let cell = cells[grid_cell(pose.position, grid)];
+    let known = guide_rays(i, pose.identity);
+    var old_step = 0.0;
+    var total = 0.0;
+    var share = 0.0;
+    if known > 0u {
+        old_step = bitcast<f32>(guides[i].scale & 0xffff0000u);
+        total = guide_total(i);
+        share = guide_share(i, pose.identity, total);
     }
-    for (var ray = first; ray < last; ray++) {
-        let path = paths[ray];
-        if path.density <= 0.0 || path.cosine <= 0.0 {
+    // Mean squares of luminance.
+    var squares: array<f32, GUIDE_TEXELS>;
+    for (var t = 0u; t < GUIDE_TEXELS; t++) {
+        let luminance = f32(guide_texel(i, t)) * old_step;
+        squares[t] = luminance * luminance;
+    }
+    let seed = hash_hash3(pose.identity, frame.number, frame.seed);
+    let most = min(cell.y, CANDIDATES);
+    var taught = 0u;
+    var count = 0u;
+    var sum = 0.0;
+    for (var k = 0u; k < most && taught < NEIGHBOURS; k++) {
+        let other = entries[cell.x + (hash_pcg(seed) % cell.y + k) % cell.y];
+        let first = offsets[other];
+        let last = min(offsets[other + 1u], first + RAYS_OF_NEIGHBOUR);
+        let n = poses[other].normal;
+        let alike = n.x * pose.normal.x + n.y * pose.normal.y + n.z * pose.normal.z > ALIKE;
+        if other == i || first == last || !alike {
             continue;
         }
-        let brought = estimator_luminance(radiance[ray].xyz);
-        let luminance = brought * (path.density * PI / path.cosine);
-        let texel = guide_texel_of(sampling_to_local(rays[ray].direction, pose.normal));
-        let blend = max(1.0 / (1.0 + f32(known) / f32(GUIDE_TEXELS)), BLEND);
-        luminances[texel] += (luminance - luminances[texel]) * blend;
-        known++;
+        for (var ray = first; ray < last; ray++) {
+            let path = paths[ray];
+            let local = sampling_to_local(rays[ray].direction, pose.normal);
+            if path.density <= 0.0 || path.cosine <= 0.0 || local.z <= 0.0 {
+                continue;
+            }
+            let brought = estimator_luminance(radiance[ray].xyz);
+            let luminance = min(brought * (PI * path.density / path.cosine), MOST_LUMINANCE);
+            let square = luminance * luminance;
+            let texel = guide_texel_of(local);
+            // Of rays that a texel can expect to have had, and not of those that it had, which nobody counts.
+            let before = f32(known + count) * guide_probability(i, total, share, texel);
+            let blend = max(1.0 / (2.0 + before), BLEND);
+            squares[texel] += (square - squares[texel]) * blend;
+            sum += square;
+            count++;
+        }
+        taught++;
+    }
+    if count == 0u {
+        return;
+    }
+    let learned = known + count;
+    if known < PRIOR_RAYS {
+        let mean = sum / f32(count);
+        let part = f32(count) / f32(learned);
+        for (var t = 0u; t < GUIDE_TEXELS; t++) {
+            squares[t] += (mean - squares[t]) * part;
+        }
     }
     var brightest = 0.0;
     for (var t = 0u; t < GUIDE_TEXELS; t++) {
-        brightest = max(brightest, luminances[t]);
+        squares[t] = sqrt(max(squares[t], 0.0));
+        brightest = max(brightest, squares[t]);
     }
     brightest = min(brightest, MOST_LUMINANCE);
     // The step is rounded up, so that the brightest texel still fits.
     let bits = (bitcast<u32>(brightest / 255.0) + 0xffffu) & 0xffff0000u;
     let step = bitcast<f32>(bits);
     var packed: SurfelGuide;
-    packed.scale = min(known, 0xffffu);
+    packed.scale = min((learned + GUIDE_RAYS_STEP - 1u) / GUIDE_RAYS_STEP, GUIDE_MOST_STEPS);
+    packed.scale |= guide_tag(pose.identity) << 10u;
     if brightest > 0.0 && step > 0.0 {
         packed.scale |= bits;
-        let seed = hash_hash3(pose.identity, frame.number, frame.seed);
         for (var t = 0u; t < GUIDE_TEXELS; t++) {
-            let value = min(u32(luminances[t] / step + hash_unit(hash_hash2(seed, t))), 255u);
+            let value = min(u32(squares[t] / step + hash_unit(hash_hash2(seed, t))), 255u);
             packed.texels[t / 4u] |= value << (t % 4u * 8u);
         }
     }

@@ -67,6 +67,16 @@ pub enum CommandError {
         /// Built-in scenes.
         names: String,
     },
+    /// Neither a file nor a built-in environment.
+    #[error(
+        "there is no environment `{name}`: give the path of a .hdr or .exr map, or one of {names}"
+    )]
+    NoEnvironment {
+        /// What was given.
+        name: String,
+        /// Built-in environments.
+        names: String,
+    },
     /// Standard output takes no more.
     #[error("the result could not be printed: {source}; check where standard output goes")]
     Output {

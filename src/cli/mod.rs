@@ -3,6 +3,7 @@ pub mod compare;
 mod devices;
 mod error;
 mod graph;
+mod guiding;
 mod output;
 mod profile;
 mod reference;
@@ -30,6 +31,7 @@ enum Command {
     Compare(Box<compare::Args>),
     Graph(Box<graph::Args>),
     Profile(Box<profile::Args>),
+    Guiding(Box<guiding::Args>),
     Settings(settings::Args),
     Devices(devices::Args),
 }
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(*args).map_err(CommandError::from),
         Command::Graph(args) => graph::run(&args),
         Command::Profile(args) => profile::run(&args),
+        Command::Guiding(args) => guiding::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Devices(args) => devices::run(&args),
     };

@@ -13,7 +13,7 @@ const MAX_TEXELS: u64 = 1 << 27;
 type Raw = (u32, u32, Vec<Vec3>);
 
 /// Reads the map, applies `scale` and clamps bad texels, which are counted in one of the `warnings`.
-pub(super) fn load(
+pub(crate) fn load(
     file: &Path,
     scale: f32,
     warnings: &mut Vec<String>,

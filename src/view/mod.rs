@@ -8,6 +8,8 @@ mod json;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use environment::load as load_environment;
+
 use gibs_passes::scene::{Camera, Environment, Sun};
 use std::path::PathBuf;
 

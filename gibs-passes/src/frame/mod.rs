@@ -1,6 +1,7 @@
 //! The frames: stages wired into graphs.
 mod inputs;
 mod needs;
+mod probes;
 mod reference;
 mod settings;
 mod surfels;
@@ -12,6 +13,7 @@ pub use inputs::{
     upload_scene_where,
 };
 pub use needs::{Need, needs};
+pub use probes::{MOST_PLACES, ProbeFrame, probe_frame, upload_probe_frame, upload_probes};
 pub use reference::{ReferenceUpdate, gbuffer_frame, reference_frame, upload_reference};
 pub use settings::{SettingError, SettingInfo, Settings};
 pub use surfels::{Light, Screen, SurfelFrame, SurfelOutputs, surfel_frame};

@@ -20,6 +20,9 @@ pub fn hash3(a: u32, b: u32, c: u32) -> u32 {
     hash2(a, hash2(b, c))
 }
 
+/// The largest number below one.
+pub const ALMOST_ONE: f32 = 1.0 - 1.0 / 16_777_216.0;
+
 /// The upper 24 bits as a number in `[0, 1)`.
 #[inline]
 pub fn unit(bits: u32) -> f32 {

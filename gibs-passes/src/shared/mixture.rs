@@ -41,12 +41,15 @@ pub fn guided_density(cosine: f32, guide: f32, guided: f32, emitters: bool) -> f
     (lobe + (guide - lobe) * guided) * share
 }
 
-/// Whether ray `index` of a frame follows the guide, which `guided` of the rays do, by the sequence of the square root of
-/// two.
+/// Whether a ray follows the guide, which `guided` of the rays do, and what is left of `u` in `[0, 1)`, which decides it: one
+/// sequence serves guide and lobe, so that its points lie evenly in both.
 #[inline]
-pub fn follows_guide(index: u32, shift: u32, guided: f32) -> bool {
-    let place = index.wrapping_mul(0x6a09_e667).wrapping_add(shift);
-    hash::unit(place) < guided
+pub fn follow_guide(u: f32, guided: f32) -> (bool, f32) {
+    if u < guided {
+        return (true, (u / guided).min(hash::ALMOST_ONE));
+    }
+    let left = (u - guided) / (1.0 - guided);
+    (false, left.min(hash::ALMOST_ONE))
 }
 
 /// What a sample counts: the cosine lobe's density over that of the mixture. `lobe` is [`lobe_density`] there, `emitter`

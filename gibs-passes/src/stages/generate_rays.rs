@@ -49,9 +49,9 @@ struct Guide<'a> {
 }
 
 impl<'a> Guide<'a> {
-    fn new(of: &'a SurfelGuide) -> Option<Self> {
+    fn new(of: &'a SurfelGuide, identity: u32) -> Option<Self> {
         let total = guide::total(of);
-        let share = guide::share(of, total);
+        let share = guide::share(of, identity, total);
         (share > 0.0).then_some(Self { of, total, share })
     }
 
@@ -69,9 +69,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let pose = &p.poses[i];
         let surfel = hash::hash2(pose.identity, p.frame.seed);
         let shift = (hash::hash2(surfel, 0), hash::hash2(surfel, 1));
-        // Of a surfel without rays, the guide is that of the one that had the slot before.
-        let guide = match first < last && p.irradiance[i].samples > 0 {
-            true => p.guides.get(i).and_then(Guide::new),
+        let guide = match first < last {
+            true => p.guides.get(i).and_then(|of| Guide::new(of, pose.identity)),
             false => None,
         };
         for ray in first..last {
@@ -92,16 +91,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                     _ => drawn,
                 }
             } else if let Some(guide) = &guide {
-                // Not of the sequence that goes on: the guide knows most where that has just been, and its next points are
-                // elsewhere. Each frame has one of its own.
-                let frame = hash::hash2(surfel, p.frame.number);
-                let own = (hash::hash2(frame, 1), hash::hash2(frame, 2));
-                let uv = sampling::r2(ray - first, own);
-                let follows =
-                    mixture::follows_guide(ray - first, hash::hash2(frame, 3), guide.share);
+                let (follows, u) = mixture::follow_guide(uv.0, guide.share);
                 let local = match follows {
-                    true => guide::draw(guide.of, guide.total, uv),
-                    false => sampling::cosine_hemisphere(uv.0, uv.1),
+                    true => guide::draw(guide.of, (u, uv.1)),
+                    false => sampling::cosine_hemisphere(u, uv.1),
                 };
                 mixture::Drawn {
                     direction: sampling::to_world(local, pose.normal),

@@ -1,25 +1,28 @@
-//! `persistent/update_guide`: what a surfel's rays brought, into its guide (I6).
-use crate::data::{Frame, Path, Ray, SurfelGuide, SurfelIrradiance, SurfelPose};
-use crate::shared::{estimator, guide, hash, sampling};
+//! `persistent/update_guide`: what the rays of its neighbours brought, into a surfel's guide (I6).
+use crate::data::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
+use crate::shared::{estimator, grid, guide, hash, sampling};
 use gibs_graph::{Workgroup, stage};
-use glam::Vec4;
+use glam::{UVec2, Vec3, Vec4};
 use std::f32::consts::PI;
 
 stage! {
-    /// Feeds the luminance that came along each ray to the moving average of its texel, and renormalizes the guide (GIBS,
-    /// "Ray Guiding"). A path's light counts as far as the lobe is there to find it: what emitter sampling finds as well
-    /// counts by the lobe's share of the balance heuristic, and rays to emitters teach nothing.
+    /// Feeds the luminance that came along rays of surfels nearby to the moving averages of their texels, and renormalizes
+    /// the guide (GIBS, "Ray Guiding"). The surfels are those of the cell whose normals are about the same; each frame
+    /// begins elsewhere in its list. A path's light counts as far as the lobe is there to find it: what emitter sampling
+    /// finds as well counts by the lobe's share of the balance heuristic, and rays to emitters teach nothing.
     pub stage UpdateGuide {
         wgsl: gibs_shaders::stages::UPDATE_GUIDE,
         workgroup: [64, 1, 1],
         ports: {
             uniform frame: Frame,
+            uniform grid: GridShape,
+            read cells: UVec2,
+            read entries: u32,
             read poses: SurfelPose,
             read offsets: u32,
             read rays: Ray,
             read paths: Path,
             read radiance: Vec4,
-            read irradiance: SurfelIrradiance,
             read_write guides: SurfelGuide,
         },
         cpu: kernel,
@@ -29,33 +32,101 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
-        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
-        if first == last {
-            continue;
-        }
         let pose = &p.poses[i];
-        // Before its first rays are integrated, a surfel's guide is that of the one that had the slot before.
-        let old = match p.irradiance[i].samples {
-            0 => SurfelGuide::default(),
-            _ => p.guides.get(i),
+        let cell = match pose.radius > 0.0 {
+            true => p.cells[grid::cell(pose.position, p.grid) as usize],
+            false => UVec2::ZERO,
         };
-        let mut luminances = guide::unpack(&old);
-        let mut known = old.scale & 0xffff;
-        for ray in first..last {
-            let path = &p.paths[ray];
-            if path.density <= 0.0 || path.cosine <= 0.0 {
+        let mut lesson = Lesson::new(p.guides.get(i), pose.identity);
+        let seed = hash::hash3(pose.identity, p.frame.number, p.frame.seed);
+        let mut taught = 0;
+        for k in 0..cell.y.min(guide::CANDIDATES) {
+            let entry = cell.x + (hash::pcg(seed) % cell.y + k) % cell.y;
+            let other = p.entries[entry as usize] as usize;
+            let first = p.offsets[other];
+            let last = p.offsets[other + 1].min(first + guide::RAYS_OF_NEIGHBOUR);
+            let alike = p.poses[other].normal.dot(pose.normal) > guide::ALIKE;
+            if other == i || first == last || !alike {
                 continue;
             }
-            let brought = estimator::luminance(p.radiance[ray].truncate());
-            let luminance = brought * (path.density * PI / path.cosine);
-            let local = sampling::to_local(p.rays[ray].direction, pose.normal);
-            let texel = guide::texel_of(local) as usize;
-            let blend = (1.0 / (1.0 + known as f32 / guide::TEXELS as f32)).max(guide::BLEND);
-            luminances[texel] += (luminance - luminances[texel]) * blend;
-            known += 1;
+            for ray in first as usize..last as usize {
+                let path = &p.paths[ray];
+                let local = sampling::to_local(p.rays[ray].direction, pose.normal);
+                if path.density <= 0.0 || path.cosine <= 0.0 || local.z <= 0.0 {
+                    continue;
+                }
+                let brought = estimator::luminance(p.radiance[ray].truncate());
+                lesson.learn(local, brought * (PI * path.density / path.cosine));
+            }
+            taught += 1;
+            if taught == guide::NEIGHBOURS {
+                break;
+            }
         }
-        let seed = hash::hash3(pose.identity, p.frame.number, p.frame.seed);
-        let packed = guide::pack(&luminances, known, |t| hash::unit(hash::hash2(seed, t)));
-        p.guides.set(i, packed);
+        if lesson.count > 0 {
+            let dither = |t| hash::unit(hash::hash2(seed, t));
+            p.guides.set(i, lesson.finish(pose.identity, dither));
+        }
+    }
+}
+
+/// A guide that learns.
+struct Lesson {
+    old: SurfelGuide,
+    total: f32,
+    share: f32,
+    /// Rays that the guide knows already.
+    known: u32,
+    /// Rays of this frame, and the sum of their squared luminances.
+    count: u32,
+    sum: f32,
+    /// Mean squares of luminance.
+    squares: [f32; guide::TEXELS],
+}
+
+impl Lesson {
+    fn new(old: SurfelGuide, identity: u32) -> Self {
+        let known = guide::rays(&old, identity);
+        let old = match known {
+            0 => SurfelGuide::default(),
+            _ => old,
+        };
+        let total = guide::total(&old);
+        Self {
+            total,
+            share: guide::share(&old, identity, total),
+            known,
+            count: 0,
+            sum: 0.0,
+            squares: guide::unpack(&old).map(|x| x * x),
+            old,
+        }
+    }
+
+    fn learn(&mut self, local: Vec3, luminance: f32) {
+        let luminance = luminance.min(guide::MOST_LUMINANCE);
+        let square = luminance * luminance;
+        let texel = guide::texel_of(local);
+        // Of rays that a texel can expect to have had, and not of those that it had, which nobody counts.
+        let chance = guide::probability(&self.old, self.total, self.share, texel);
+        let before = (self.known + self.count) as f32 * chance;
+        let blend = (1.0 / (2.0 + before)).max(guide::BLEND);
+        let mean = &mut self.squares[texel as usize];
+        *mean += (square - *mean) * blend;
+        self.sum += square;
+        self.count += 1;
+    }
+
+    fn finish(mut self, identity: u32, dither: impl Fn(u32) -> f32) -> SurfelGuide {
+        let rays = self.known + self.count;
+        if self.known < guide::PRIOR_RAYS {
+            let mean = self.sum / self.count as f32;
+            let share = self.count as f32 / rays as f32;
+            for square in &mut self.squares {
+                *square += (mean - *square) * share;
+            }
+        }
+        let luminances = self.squares.map(|x| x.max(0.0).sqrt());
+        guide::pack(&luminances, identity, rays, dither)
     }
 }

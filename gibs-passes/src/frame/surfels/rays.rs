@@ -146,12 +146,14 @@ pub(super) fn integrate_rays(
         (Some(guides), Some(paths)) => {
             let inputs = update_guide::Inputs {
                 frame: &scene.frame,
+                grid: &grid.shape,
+                cells: &grid.cells,
+                entries: &grid.entries,
                 poses: &surfels.poses,
                 offsets: &allocated.offsets,
                 rays: &first_rays,
                 paths,
                 radiance: &radiance,
-                irradiance: &surfels.irradiance,
                 guides,
             };
             let label = "persistent/update_guide";
