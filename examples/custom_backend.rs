@@ -139,7 +139,8 @@ impl Run {
             DispatchSize::Groups(groups) => groups,
             DispatchSize::Indirect(id) => {
                 let bytes: &[u8] = bytemuck::cast_slice(&self.slots[id as usize].memory[0]);
-                let args: DispatchArgs = bytemuck::pod_read_unaligned(&bytes[..16]);
+                let args: DispatchArgs =
+                    bytemuck::pod_read_unaligned(&bytes[..size_of::<DispatchArgs>()]);
                 [args.x, args.y, args.z]
             }
             _ => return Err(unknown_step(label)),

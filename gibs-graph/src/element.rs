@@ -197,6 +197,14 @@ pub struct DispatchArgs {
     pub z: u32,
     /// Invocations wanted; those beyond do nothing.
     pub count: u32,
+    /// Element that the first invocation is for, where a stage works on a part of its buffers.
+    pub first: u32,
+    /// Zero: a uniform has a multiple of 16 bytes.
+    pub pad0: u32,
+    /// Zero.
+    pub pad1: u32,
+    /// Zero.
+    pub pad2: u32,
 }
 
 impl Element for DispatchArgs {
@@ -208,12 +216,16 @@ impl Element for DispatchArgs {
         };
         Layout::Struct {
             name: "DispatchArgs".into(),
-            size: 16,
+            size: 32,
             fields: vec![
                 field("x", 0),
                 field("y", 4),
                 field("z", 8),
                 field("count", 12),
+                field("first", 16),
+                field("pad0", 20),
+                field("pad1", 24),
+                field("pad2", 28),
             ],
         }
     }

@@ -15,7 +15,7 @@ fn batch_args(count: u32) -> DispatchArgs {
     let groups = batch_div_ceil(count, BATCH_LANES);
     let rows = batch_div_ceil(groups, BATCH_MAX_GROUPS);
     if rows <= 1u {
-        return DispatchArgs(groups, 1u, 1u, count);
+        return DispatchArgs(groups, 1u, 1u, count, 0u, 0u, 0u, 0u);
     }
-    return DispatchArgs(BATCH_MAX_GROUPS, rows, 1u, count);
+    return DispatchArgs(BATCH_MAX_GROUPS, rows, 1u, count, 0u, 0u, 0u, 0u);
 }

@@ -10,6 +10,10 @@ struct DispatchArgs {
     y: u32,
     z: u32,
     count: u32,
+    first: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct BvhNode {

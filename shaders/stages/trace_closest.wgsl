@@ -19,9 +19,10 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = invocation_index(workgroup, groups, 64u, lane);
-    if i >= batch.count {
+    let within = invocation_index(workgroup, groups, 64u, lane);
+    if within >= batch.count {
         return;
     }
+    let i = batch.first + within;
     hits[i] = trace_walk(rays[i], false);
 }

@@ -11,7 +11,8 @@ import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, Sur
 @group(0) @binding(3) var<storage, read> offsets: array<u32>;
 @group(0) @binding(4) var<storage, read> rays: array<Ray>;
 @group(0) @binding(5) var<storage, read> hits: array<Hit>;
-@group(0) @binding(6) var<storage, read_write> depths: array<SurfelDepth>;
+@if(places) @group(0) @binding(6) var<storage, read> places: array<u32>;
+@group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
 
 /// Row or column of the depth function for a coordinate in `[0, 1]`.
 fn depth_index(x: f32) -> u32 {
@@ -21,6 +22,16 @@ fn depth_index(x: f32) -> u32 {
 /// Rays after which a texel's share of a new distance has halved from all.
 const DEPTH_SETTLES: f32 = 32.0;
 
+/// Where a ray was traced.
+@if(places)
+fn place_of(ray: u32) -> u32 {
+    return places[ray];
+}
+@else
+fn place_of(ray: u32) -> u32 {
+    return ray;
+}
+
 /// The distance of a ray into the depth function of its surfel, which has had `samples` before.
 fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let diameter = 2.0 * pose.radius;
@@ -29,8 +40,9 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
     // Compared before it is divided: the distance of a miss over the diameter would overflow.
     var t = 1.0;
-    if hits[ray].t < diameter {
-        t = hits[ray].t / diameter;
+    let distance = hits[place_of(ray)].t;
+    if distance < diameter {
+        t = distance / diameter;
     }
     let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
     let old = lookup_moments(depths[surfel].texels[texel]);

@@ -110,6 +110,7 @@ const ELEMENTS: &[(&str, &str, &str)] = &[
     ("steering", "steering", "off"),
     ("emitters", "emitters", "off"),
     ("sharing", "sharing", "off"),
+    ("sorting", "sorting", "off"),
     ("clamp", "clamp", "off"),
     ("continuation", "continuations", "0"),
 ];

@@ -72,7 +72,7 @@ stages! {
     sizes Sizes { read source: u32, write args: gibs_graph::DispatchArgs } wide(None)
     fn kernel(p: &Views<'_>, _: Workgroup) {
         let [x, y, z] = [p.source[0], p.source[1], p.source[2]];
-        p.args.set(0, gibs_graph::DispatchArgs { x, y, z, count: 0 });
+        p.args.set(0, gibs_graph::DispatchArgs { x, y, z, ..Default::default() });
     }
 
     /// Each workgroup counts itself, and notes its turn (from 1).

@@ -76,11 +76,11 @@ stages! {
 
     /// Asks for as many workgroups along each axis as the source says.
     plan Plan { read source: u32, write args: gibs_graph::DispatchArgs }
-    "struct DispatchArgs { x: u32, y: u32, z: u32, count: u32 }
+    "struct DispatchArgs { x: u32, y: u32, z: u32, count: u32, first: u32, pad0: u32, pad1: u32, pad2: u32 }
      @group(0) @binding(0) var<storage, read> source: array<u32>;
      @group(0) @binding(1) var<storage, read_write> args: array<DispatchArgs>;
      @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-         if id.x == 0u { args[0] = DispatchArgs(source[0], source[1], source[2], 0u); }
+         if id.x == 0u { args[0] = DispatchArgs(source[0], source[1], source[2], 0u, 0u, 0u, 0u, 0u); }
      }"
 
     /// Adds 1 per workgroup, times the step, to one counter.

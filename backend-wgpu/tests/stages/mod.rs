@@ -93,11 +93,11 @@ pub mod plan {
         /// Makes the sizes of a dispatch from a count.
         pub stage Plan {
             wgsl: super::source("plan", "
-                struct DispatchArgs { x: u32, y: u32, z: u32, count: u32 }
+                struct DispatchArgs { x: u32, y: u32, z: u32, count: u32, first: u32, pad0: u32, pad1: u32, pad2: u32 }
                 @group(0) @binding(0) var<storage, read> count: array<u32>;
                 @group(0) @binding(1) var<storage, read_write> plan: array<DispatchArgs>;
                 @compute @workgroup_size(1) fn main() {
-                    plan[0] = DispatchArgs((count[0] + 63u) / 64u, 1u, 1u, count[0]);
+                    plan[0] = DispatchArgs((count[0] + 63u) / 64u, 1u, 1u, count[0], 0u, 0u, 0u, 0u);
                 }"),
             workgroup: [1, 1, 1],
             ports: { read count: u32, write plan: gibs_graph::DispatchArgs },
@@ -113,7 +113,7 @@ pub mod mark {
         /// Marks as many elements as were planned.
         pub stage Mark {
             wgsl: super::source("mark", "
-                struct DispatchArgs { x: u32, y: u32, z: u32, count: u32 }
+                struct DispatchArgs { x: u32, y: u32, z: u32, count: u32, first: u32, pad0: u32, pad1: u32, pad2: u32 }
                 @group(0) @binding(0) var<uniform> plan: DispatchArgs;
                 @group(0) @binding(1) var<storage, read_write> marks: array<u32>;
                 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {

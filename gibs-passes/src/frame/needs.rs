@@ -123,6 +123,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.sharing = !other.sharing,
         )?,
         setting(
+            "ray sorting",
+            settings.sorting,
+            format!(
+                "the setting sorting = {}",
+                if settings.sorting { "on" } else { "off" }
+            ),
+            &|other| other.sorting = !other.sorting,
+        )?,
+        setting(
             "paths beyond a hit",
             paths > 0,
             format!("the setting continuations = {paths}"),

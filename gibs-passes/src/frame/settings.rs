@@ -37,6 +37,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub sharing: bool,
     /// See [`Settings::all`].
+    pub sorting: bool,
+    /// See [`Settings::all`].
     pub lights: u32,
     /// See [`Settings::all`].
     pub continuations: u32,
@@ -70,6 +72,7 @@ impl Default for Settings {
             guiding: false,
             emitters: true,
             sharing: true,
+            sorting: true,
             lights: 4,
             continuations: 8,
             grid_side: 0,
@@ -224,6 +227,7 @@ settings! {
     guiding: bool, "", 0.0, 1.0, "draw rays by what each surfel has learned about where light comes from";
     emitters: bool, "", 0.0, 1.0, "send a share of the rays to emissive triangles";
     sharing: bool, "", 0.0, 1.0, "let uncertain surfels look up the irradiance of their neighbours";
+    sorting: bool, "", 0.0, 1.0, "sort rays by where they begin and where they go, before they are traced";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
     grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice, at least 4; 0 to fit the surfels";

@@ -16,6 +16,15 @@ pub(crate) struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
+    /// As many as the device has counted.
+    pub fn on_device(args: &'a Buffer<DispatchArgs>, most: u64) -> Self {
+        Batch {
+            args,
+            most,
+            fixed: false,
+        }
+    }
+
     pub fn dispatch(&self) -> Dispatch<'a> {
         if self.fixed {
             Dispatch::Elements(self.most)
@@ -52,46 +61,70 @@ pub(crate) fn surfaces(
     batch: &Batch<'_>,
     rays: &Buffer<Ray>,
 ) -> (Buffer<Hit>, Buffer<SurfacePoint>) {
-    let cut_outs = scene.cut_outs();
     let hits = g.transient(&format!("{group}_hits{suffix}"), batch.most);
-    let hits = g
-        .add::<trace_closest::TraceClosest>(
-            &format!("{group}/ray_trace{suffix}"),
-            trace_closest::Inputs {
-                batch: batch.args,
-                nodes: &scene.nodes,
-                triangles: &scene.triangles,
-                instances: &scene.instances,
-                corners: cut_outs.map(|(corners, _)| corners),
-                materials: cut_outs.map(|(_, materials)| materials),
-                texels: cut_outs.and(scene.textures()),
-                rays,
-                hits,
-                wide_nodes: &scene.wide_nodes,
-                wide_packets: &scene.wide_packets,
-            },
-            batch.dispatch(),
-        )
-        .hits;
-    let points = g.transient(&format!("{group}_points{suffix}"), batch.most);
-    let points = g
-        .add::<resolve_hits::ResolveHits>(
-            &format!("{group}/resolve_hits{suffix}"),
-            resolve_hits::Inputs {
-                batch: batch.args,
-                rays,
-                hits: &hits,
-                triangles: &scene.triangles,
-                instances: &scene.instances,
-                corners: &scene.corners,
-                materials: &scene.materials,
-                texels: scene.textures(),
-                points,
-            },
-            batch.dispatch(),
-        )
-        .points;
+    let label = format!("{group}/ray_trace{suffix}");
+    let hits = trace(g, &label, scene, batch, rays, hits);
+    let points = resolve(g, group, suffix, scene, batch, rays, &hits);
     (hits, points)
+}
+
+/// The closest hit of each ray of a batch; other elements of `hits` stay.
+pub(crate) fn trace(
+    g: &mut Graph,
+    label: &str,
+    scene: &SceneInputs,
+    batch: &Batch<'_>,
+    rays: &Buffer<Ray>,
+    hits: Buffer<Hit>,
+) -> Buffer<Hit> {
+    let cut_outs = scene.cut_outs();
+    g.add::<trace_closest::TraceClosest>(
+        label,
+        trace_closest::Inputs {
+            batch: batch.args,
+            nodes: &scene.nodes,
+            triangles: &scene.triangles,
+            instances: &scene.instances,
+            corners: cut_outs.map(|(corners, _)| corners),
+            materials: cut_outs.map(|(_, materials)| materials),
+            texels: cut_outs.and(scene.textures()),
+            rays,
+            hits,
+            wide_nodes: &scene.wide_nodes,
+            wide_packets: &scene.wide_packets,
+        },
+        batch.dispatch(),
+    )
+    .hits
+}
+
+/// What the surface is like where each ray hit.
+pub(crate) fn resolve(
+    g: &mut Graph,
+    group: &str,
+    suffix: &str,
+    scene: &SceneInputs,
+    batch: &Batch<'_>,
+    rays: &Buffer<Ray>,
+    hits: &Buffer<Hit>,
+) -> Buffer<SurfacePoint> {
+    let points = g.transient(&format!("{group}_points{suffix}"), batch.most);
+    g.add::<resolve_hits::ResolveHits>(
+        &format!("{group}/resolve_hits{suffix}"),
+        resolve_hits::Inputs {
+            batch: batch.args,
+            rays,
+            hits,
+            triangles: &scene.triangles,
+            instances: &scene.instances,
+            corners: &scene.corners,
+            materials: &scene.materials,
+            texels: scene.textures(),
+            points,
+        },
+        batch.dispatch(),
+    )
+    .points
 }
 
 /// Whether nothing stops each ray.

@@ -15,6 +15,7 @@ pub fn args(count: u32) -> DispatchArgs {
             y: 1,
             z: 1,
             count,
+            ..DispatchArgs::default()
         }
     } else {
         DispatchArgs {
@@ -22,6 +23,7 @@ pub fn args(count: u32) -> DispatchArgs {
             y: rows,
             z: 1,
             count,
+            ..DispatchArgs::default()
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod requests;
 pub mod sampling;
 pub mod scan;
 pub mod sharing;
+pub mod sorting;
 pub mod surface;
 pub mod texture;
 pub mod upsample;

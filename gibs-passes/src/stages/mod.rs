@@ -21,6 +21,9 @@ pub mod light_batch;
 pub mod pack_points;
 pub mod positional_update;
 pub mod primary_rays;
+pub mod ray_bins;
+pub mod ray_order;
+pub mod ray_scatter;
 pub mod recycle;
 pub mod recycle_commit;
 pub mod recycle_push;
@@ -28,6 +31,7 @@ pub mod reference_accumulate;
 pub mod reference_emitters;
 pub mod reference_remaining;
 pub mod reference_scatter;
+pub mod reorder_rays;
 pub mod request_rays;
 pub mod resolve_hits;
 pub mod sample_lights;
@@ -91,6 +95,9 @@ pub fn all() -> Vec<StageInfo> {
         info::<pack_points::PackPoints>(),
         info::<positional_update::PositionalUpdate>(),
         info::<primary_rays::PrimaryRays>(),
+        info::<ray_bins::RayBins>(),
+        info::<ray_order::RayOrder>(),
+        info::<ray_scatter::RayScatter>(),
         info::<recycle::Recycle>(),
         info::<recycle_commit::RecycleCommit>(),
         info::<recycle_push::RecyclePush>(),
@@ -98,6 +105,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<reference_emitters::ReferenceEmitters>(),
         info::<reference_remaining::ReferenceRemaining>(),
         info::<reference_scatter::ReferenceScatter>(),
+        info::<reorder_rays::ReorderRays>(),
         info::<request_rays::RequestRays>(),
         info::<resolve_hits::ResolveHits>(),
         info::<sample_lights::SampleLights>(),

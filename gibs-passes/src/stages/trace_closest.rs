@@ -57,6 +57,7 @@ fn scalar_kernel(p: &Views<'_>, group: Workgroup) {
         instances: p.instances.slice(),
     };
     for i in group.range(p.batch.count) {
+        let i = p.batch.first as usize + i;
         let ray = &p.rays[i];
         let filter = stops(ray, &p.triangles, &p.corners, &p.materials, &p.texels);
         p.hits.set(i, scalar::closest(&view, ray, filter));
@@ -71,6 +72,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     };
     let mut tracer = wide::Tracer::new();
     for i in group.range(p.batch.count) {
+        let i = p.batch.first as usize + i;
         let ray = &p.rays[i];
         let filter = stops(ray, &p.triangles, &p.corners, &p.materials, &p.texels);
         p.hits.set(i, tracer.closest(&view, ray, filter));

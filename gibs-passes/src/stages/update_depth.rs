@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 stage! {
     /// Feeds each ray's distance to the depth function of its surfel (GIBS, "Radial Gaussian Depth"): those that go
-    /// farther than the diameter count as the diameter.
+    /// farther than the diameter count as the diameter. Where rays were sorted, `places` tells where each went.
     pub stage UpdateDepth {
         wgsl: gibs_shaders::stages::UPDATE_DEPTH,
         workgroup: [64, 1, 1],
@@ -19,6 +19,7 @@ stage! {
             read offsets: u32,
             read rays: Ray,
             read hits: Hit,
+            optional_read places: u32,
             read_write depths: SurfelDepth,
         },
         cpu: kernel,
@@ -58,7 +59,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
             let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
             let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
-            let t = (p.hits[ray].t / (2.0 * pose.radius)).min(1.0);
+            let hit = p.places.get(ray).map_or(ray, |&place| place as usize);
+            let t = (p.hits[hit].t / (2.0 * pose.radius)).min(1.0);
             let blend = depth_blend(before + (ray - first) as u32, p.settings.depth_blend);
             let old = moments(depth.texels[texel]);
             let new = old + (Vec2::new(t, t * t) - old) * blend;

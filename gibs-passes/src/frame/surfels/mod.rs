@@ -5,6 +5,7 @@ mod grid;
 mod rays;
 mod recycle;
 mod screen;
+mod sorting;
 mod spawn;
 mod upsample;
 

@@ -1,7 +1,8 @@
 //! Rays from every surfel, and what they find (I1, I2, I5).
+use super::sorting::sort_rays;
 use super::{Grid, Surfels, filtering, gather};
 use crate::data::*;
-use crate::frame::trace::{Batch, direct_light, surfaces};
+use crate::frame::trace::{Batch, direct_light, resolve, surfaces};
 use crate::frame::{SceneInputs, Settings};
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
@@ -71,27 +72,54 @@ pub(super) fn integrate_rays(
         },
         Dispatch::Elements(capacity),
     );
-    let first_rays = generated.rays;
+    let own_rays = generated.rays;
     let mut radiance = g.zeroed("ray_radiance", budget);
-    let mut segment = Segment {
-        args: allocated.batch,
-        rays: None,
-        paths: generated.paths,
+    let (mut segment, own_paths, sorted) = match settings.sorting {
+        true => {
+            let batch = Batch::on_device(&allocated.batch, budget);
+            let (rays, paths, sorted) = sort_rays(
+                g,
+                scene,
+                grid,
+                &surfels,
+                &allocated.offsets,
+                &batch,
+                &own_rays,
+                &generated.paths,
+            );
+            let segment = Segment {
+                args: allocated.batch,
+                rays: Some(rays),
+                paths,
+            };
+            (segment, Some(generated.paths), Some(sorted))
+        }
+        false => {
+            let segment = Segment {
+                args: allocated.batch,
+                rays: None,
+                paths: generated.paths,
+            };
+            (segment, None, None)
+        }
     };
-    let (mut first_hits, mut first_paths) = (None, None);
+    let (mut first_hits, mut first_paths) = (None, own_paths);
     for depth in 0..=settings.continuations {
         let suffix = if depth == 0 {
             String::new()
         } else {
             format!("_{depth}")
         };
-        let batch = Batch {
-            args: &segment.args,
-            most: budget,
-            fixed: false,
+        let batch = Batch::on_device(&segment.args, budget);
+        let rays = segment.rays.as_ref().unwrap_or(&own_rays);
+        let (hits, points) = match sorted.as_ref().filter(|_| depth == 0) {
+            Some(sorted) => {
+                let hits = sorted.trace(g, scene, rays);
+                let points = resolve(g, "persistent", &suffix, scene, &batch, rays, &hits);
+                (hits, points)
+            }
+            None => surfaces(g, "persistent", &suffix, scene, &batch, rays),
         };
-        let rays = segment.rays.as_ref().unwrap_or(&first_rays);
-        let (hits, points) = surfaces(g, "persistent", &suffix, scene, &batch, rays);
         let direct = direct_light(g, "persistent", &suffix, scene, per_point, &batch, &points);
         let label = format!("persistent/gather_surfels{suffix}");
         let name = format!("persistent_gathered{suffix}");
@@ -151,7 +179,7 @@ pub(super) fn integrate_rays(
                 entries: &grid.entries,
                 poses: &surfels.poses,
                 offsets: &allocated.offsets,
-                rays: &first_rays,
+                rays: &own_rays,
                 paths,
                 radiance: &radiance,
                 guides,
@@ -170,8 +198,9 @@ pub(super) fn integrate_rays(
                 poses: &surfels.poses,
                 irradiance: &surfels.irradiance,
                 offsets: &allocated.offsets,
-                rays: &first_rays,
+                rays: &own_rays,
                 hits,
+                places: sorted.as_ref().map(|sorted| &sorted.places),
                 depths,
             };
             let label = "persistent/update_depth";

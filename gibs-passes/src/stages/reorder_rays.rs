@@ -1,0 +1,32 @@
+//! `persistent/ray_sorting_reorder`: rays in the order of their bins (I9).
+use crate::data::{Path, Ray};
+use gibs_graph::DispatchArgs;
+use gibs_graph::{Workgroup, stage};
+
+stage! {
+    /// Copies rays and paths into the order of their bins. `places` tells where each went.
+    pub stage ReorderRays {
+        wgsl: gibs_shaders::stages::REORDER_RAYS,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform batch: DispatchArgs,
+            read order: u32,
+            read rays: Ray,
+            read paths: Path,
+            write sorted_rays: Ray,
+            write sorted_paths: Path,
+            write places: u32,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.batch.count) {
+        let ray = p.order[i];
+        p.sorted_rays.set(i, p.rays[ray as usize]);
+        p.sorted_paths.set(i, p.paths[ray as usize]);
+        p.places.set(ray as usize, i as u32);
+    }
+}
