@@ -175,6 +175,36 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut
     sum
 }
 
+/// Calls `each` with the surfels of a point's cell that `wanted` wants and their weights: those of [`gather`], with a
+/// reach of so many radii.
+#[inline]
+pub fn neighbours(
+    point: Vec3,
+    normal: Vec3,
+    reach: f32,
+    s: &Surfels<'_>,
+    wanted: impl Fn(usize) -> bool,
+    mut each: impl FnMut(usize, f32),
+) {
+    for &id in s.around(point) {
+        let id = id as usize;
+        let pose = &s.poses[id];
+        let wide = SurfelPose {
+            radius: reach * pose.radius,
+            ..*pose
+        };
+        let d = point - pose.position;
+        let mut weight = falloff(d, &wide) * alignment(normal, pose);
+        if weight <= 0.0 || !wanted(id) {
+            continue;
+        }
+        if !s.depths.is_empty() {
+            weight *= visibility(&s.depths[id], pose, d);
+        }
+        each(id, weight);
+    }
+}
+
 /// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
 /// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
 #[inline]

@@ -6,8 +6,8 @@
 //! sharing fades out as a surfel learns, and never crosses an edge that stands out of the noise. What is shared goes
 //! into what a surfel says, not into its own mean: a guess is not passed on as knowledge.
 use super::estimator::luminance;
-use super::lookup::{self, Surfels};
-use crate::data::{Neighbours, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose};
+use super::lookup;
+use crate::data::{Neighbours, SurfelIrradiance, SurfelLight};
 use glam::Vec3;
 
 /// Reach of a neighbour, in radii: as far as depth functions know what stands between.
@@ -40,80 +40,59 @@ pub fn asks(state: &SurfelIrradiance, age: u32) -> bool {
         || mean_variance(state, age) > CERTAIN * CERTAIN * level * level
 }
 
-/// What the neighbours of a surfel that is looked up at its own position say: weights are those of the lookup, with a
-/// wider reach.
-#[inline]
-pub fn ask(
-    own: usize,
-    s: &Surfels<'_>,
-    irradiance: &[SurfelIrradiance],
-    births: &[SurfelBirth],
-    frame: u32,
-) -> Neighbours {
-    let (point, normal) = (s.poses[own].position, s.poses[own].normal);
-    let mut mean = Vec3::ZERO;
-    let (mut sum, mut squares, mut weights_squared) = (0.0f32, 0.0f32, 0.0f32);
-    let (mut noise, mut trust) = (0.0f32, 0.0f32);
-    let (mut ray_variance, mut ray_sum) = (0.0f32, 0.0f32);
-    for &id in s.around(point) {
-        let id = id as usize;
-        let state = &irradiance[id];
-        if state.samples == 0 {
-            continue;
-        }
-        let pose = &s.poses[id];
-        let wide = SurfelPose {
-            radius: REACH * pose.radius,
-            ..*pose
-        };
-        let d = point - pose.position;
-        let mut weight = lookup::falloff(d, &wide) * lookup::alignment(normal, pose);
-        if weight <= 0.0 {
-            continue;
-        }
-        if !s.depths.is_empty() {
-            weight *= lookup::visibility(&s.depths[id], pose, d);
-        }
-        let age = frame.wrapping_sub(births[id].frame);
+/// Sums over the neighbours of a surfel, itself among them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked {
+    mean: Vec3,
+    sum: f32,
+    squares: f32,
+    weights_squared: f32,
+    noise: f32,
+    trust: f32,
+    ray_variance: f32,
+    ray_sum: f32,
+}
+
+impl Asked {
+    /// Takes in a surfel that has integrated rays, with its weight and its age in frames. `is_own` for the one that asks.
+    #[inline]
+    pub fn add(&mut self, state: &SurfelIrradiance, weight: f32, age: u32, is_own: bool) {
         let variance = mean_variance(state, age);
-        ray_variance += weight * (variance * state.samples as f32);
-        ray_sum += weight;
-        if id == own {
-            continue;
+        self.ray_variance += weight * (variance * state.samples as f32);
+        self.ray_sum += weight;
+        if is_own {
+            return;
         }
         let counts = weight * (state.samples as f32).min(MOST_RAYS);
         let level = luminance(state.mean);
-        mean += state.mean * counts;
-        sum += counts;
-        squares += counts * (level * level);
-        weights_squared += counts * counts;
-        noise += counts * variance;
-        trust += counts * lookup::trust(age);
+        self.mean += state.mean * counts;
+        self.sum += counts;
+        self.squares += counts * (level * level);
+        self.weights_squared += counts * counts;
+        self.noise += counts * variance;
+        self.trust += counts * lookup::trust(age);
     }
-    if sum <= 0.0 {
-        return Neighbours {
-            ray_variance: if ray_sum > 0.0 {
-                ray_variance / ray_sum
-            } else {
-                0.0
-            },
-            ..Neighbours::default()
-        };
-    }
-    let mean = mean / sum;
-    let level = luminance(mean);
-    let noise = noise / sum;
-    // What the neighbours differ by, beyond their noise.
-    let apart = (squares / sum - level * level - noise).max(0.0);
-    // The noise of their mean.
-    let left = noise * (weights_squared / (sum * sum));
-    Neighbours {
-        mean,
-        trust: trust / sum,
-        ray_variance: ray_variance / ray_sum,
-        spread: apart + left,
-        pad0: 0,
-        pad1: 0,
+
+    /// What they say.
+    #[inline]
+    pub fn said(&self) -> Neighbours {
+        let mut said = Neighbours::default();
+        if self.ray_sum > 0.0 {
+            said.ray_variance = self.ray_variance / self.ray_sum;
+        }
+        if self.sum <= 0.0 {
+            return said;
+        }
+        said.mean = self.mean / self.sum;
+        said.trust = self.trust / self.sum;
+        let level = luminance(said.mean);
+        let noise = self.noise / self.sum;
+        // What the neighbours differ by, beyond their noise.
+        let apart = (self.squares / self.sum - level * level - noise).max(0.0);
+        // The noise of their mean.
+        let left = noise * (self.weights_squared / (self.sum * self.sum));
+        said.spread = apart + left;
+        said
     }
 }
 

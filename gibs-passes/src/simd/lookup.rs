@@ -45,6 +45,24 @@ impl Lookup {
         }
     }
 
+    /// Same as [`lookup::neighbours`].
+    #[inline]
+    pub fn neighbours(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        reach: f32,
+        s: &Surfels<'_>,
+        wanted: impl Fn(usize) -> bool,
+        each: impl FnMut(usize, f32),
+    ) {
+        match self.0 {
+            // SAFETY: there is a proof that the processor has the features.
+            Some(Avx2 { .. }) => unsafe { neighbours(point, normal, reach, s, wanted, each) },
+            None => lookup::neighbours(point, normal, reach, s, wanted, each),
+        }
+    }
+
     /// Same as [`lookup::gather`].
     #[inline]
     pub fn gather(
@@ -124,6 +142,14 @@ impl Poses {
             _mm256_sub_ps(point[1], self.position[1]),
             _mm256_sub_ps(point[2], self.position[2]),
         ]
+    }
+
+    /// The same surfels with so many times the radius.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    fn reaching(self, reach: f32) -> Self {
+        let radius = _mm256_mul_ps(_mm256_set1_ps(reach), self.radius);
+        Poses { radius, ..self }
     }
 
     /// [`lookup::falloff`].
@@ -433,6 +459,40 @@ fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usi
     }
     pending.flush(s, use_depth, &point, &mut sum);
     total
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn neighbours(
+    point: Vec3,
+    normal: Vec3,
+    reach: f32,
+    s: &Surfels<'_>,
+    wanted: impl Fn(usize) -> bool,
+    mut each: impl FnMut(usize, f32),
+) {
+    let entries = s.around(point);
+    let (point, normal) = (all(point), all(normal));
+    let use_depth = !s.depths.is_empty();
+    let mut pending = Pending::EMPTY;
+    for chunk in entries.chunks(8) {
+        let (ids, there) = eight(chunk);
+        // SAFETY: this function is compiled for AVX2.
+        let poses = unsafe { Poses::load(s.poses, &ids) }.reaching(reach);
+        let weight = _mm256_mul_ps(poses.falloff(&poses.to(&point)), poses.alignment(&normal));
+        let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
+        let mask = _mm256_movemask_ps(some) as u32 & there;
+        if mask == 0 {
+            continue;
+        }
+        let weights = stored(weight);
+        lanes(mask, |lane| {
+            let id = ids[lane];
+            if wanted(id as usize) && pending.push(id, weights[lane]) {
+                pending.flush(s, use_depth, &point, &mut each);
+            }
+        });
+    }
+    pending.flush(s, use_depth, &point, &mut each);
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]

@@ -24,6 +24,19 @@ impl Lookup {
         lookup::coverage(point, normal, s, seen)
     }
 
+    /// Same as [`lookup::neighbours`].
+    pub fn neighbours(
+        self,
+        point: Vec3,
+        normal: Vec3,
+        reach: f32,
+        s: &Surfels<'_>,
+        wanted: impl Fn(usize) -> bool,
+        each: impl FnMut(usize, f32),
+    ) {
+        lookup::neighbours(point, normal, reach, s, wanted, each);
+    }
+
     /// Same as [`lookup::gather`].
     pub fn gather(
         self,

@@ -85,6 +85,13 @@ fn the_wide_lookup_is_the_scalar_one() {
         let same = wide.coverage(point, normal, &surfels, |id| same_seen.push(id));
         assert_eq!(seen, same_seen, "case {case}");
         assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
+        let (mut around, mut same_around) = (Vec::new(), Vec::new());
+        let wanted = |id: usize| id % 7 != 0;
+        let each = |id, weight: f32| around.push((id, weight.to_bits()));
+        lookup::neighbours(point, normal, 1.5, &surfels, wanted, each);
+        let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
+        wide.neighbours(point, normal, 1.5, &surfels, wanted, each);
+        assert_eq!(around, same_around, "case {case}");
         let gathered = lookup::gather(point, normal, &surfels, &light);
         let same = wide.gather(point, normal, &surfels, &light);
         assert_eq!(

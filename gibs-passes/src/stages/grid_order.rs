@@ -19,7 +19,7 @@ stage! {
             atomic overflow: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
@@ -29,34 +29,64 @@ fn before(a: (u32, u32), b: (u32, u32)) -> bool {
     a.0 < b.0 || (a.0 == b.0 && a.1 < b.1)
 }
 
-fn kernel(p: &Views<'_>, group: Workgroup) {
+/// Longest list that the wide kernel sorts in a buffer of its own.
+const MOST_SORTED: usize = 1024;
+
+/// Looks each surfel up once, and sorts numbers.
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let mut keys = [0u64; MOST_SORTED];
     for cell in group.range(p.cells.len() as u32) {
         let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
-        if start + count > p.entries.len() {
-            p.overflow.add(0, count as u32);
-            p.cells.set(cell, UVec2::new(0, 0));
+        if count > MOST_SORTED || start + count > p.entries.len() {
+            order(p, cell);
             continue;
         }
         p.cells.set(cell, UVec2::new(start as u32, count as u32));
-        let key = |id: u32| (hash::pcg(p.poses[id as usize].identity), id);
-        // Shell sort: in place, and fast enough for lists of tens to hundreds.
-        let mut gap = count / 2;
-        while gap > 0 {
-            for i in gap..count {
-                let moving = p.entries.get(start + i);
-                let moving_key = key(moving);
-                let mut j = i;
-                while j >= gap {
-                    let other = p.entries.get(start + j - gap);
-                    if !before(moving_key, key(other)) {
-                        break;
-                    }
-                    p.entries.set(start + j, other);
-                    j -= gap;
-                }
-                p.entries.set(start + j, moving);
-            }
-            gap /= 2;
+        let keys = &mut keys[..count];
+        for (i, key) in keys.iter_mut().enumerate() {
+            let id = p.entries.get(start + i);
+            let hash = hash::pcg(p.poses[id as usize].identity);
+            *key = u64::from(hash) << 32 | u64::from(id);
         }
+        keys.sort_unstable();
+        for (i, key) in keys.iter().enumerate() {
+            p.entries.set(start + i, *key as u32);
+        }
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for cell in group.range(p.cells.len() as u32) {
+        order(p, cell);
+    }
+}
+
+fn order(p: &Views<'_>, cell: usize) {
+    let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
+    if start + count > p.entries.len() {
+        p.overflow.add(0, count as u32);
+        p.cells.set(cell, UVec2::new(0, 0));
+        return;
+    }
+    p.cells.set(cell, UVec2::new(start as u32, count as u32));
+    let key = |id: u32| (hash::pcg(p.poses[id as usize].identity), id);
+    // Shell sort: in place, and fast enough for lists of tens to hundreds.
+    let mut gap = count / 2;
+    while gap > 0 {
+        for i in gap..count {
+            let moving = p.entries.get(start + i);
+            let moving_key = key(moving);
+            let mut j = i;
+            while j >= gap {
+                let other = p.entries.get(start + j - gap);
+                if !before(moving_key, key(other)) {
+                    break;
+                }
+                p.entries.set(start + j, other);
+                j -= gap;
+            }
+            p.entries.set(start + j, moving);
+        }
+        gap /= 2;
     }
 }

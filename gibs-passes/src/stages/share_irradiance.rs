@@ -6,7 +6,7 @@ use crate::data::{
 use crate::shared::{lookup, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup: distance,
@@ -31,15 +31,33 @@ stage! {
     }
 }
 
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    share(p, group, |point, normal, surfels, states, each| {
+        let wanted = |id: usize| states[id].samples != 0;
+        lookup::neighbours(point, normal, sharing::REACH, surfels, wanted, each);
+    });
+}
+
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    let wide = simd::Lookup::new();
+    share(p, group, |point, normal, surfels, states, each| {
+        let wanted = |id: usize| states[id].samples != 0;
+        wide.neighbours(point, normal, sharing::REACH, surfels, wanted, each);
+    });
 }
 
 #[inline(always)]
-fn kernel(p: &Views<'_>, group: Workgroup) {
+fn share(
+    p: &Views<'_>,
+    group: Workgroup,
+    neighbours: impl Fn(
+        Vec3,
+        Vec3,
+        &lookup::Surfels<'_>,
+        &[SurfelIrradiance],
+        &mut dyn FnMut(usize, f32),
+    ),
+) {
     let surfels = lookup::Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
@@ -48,14 +66,22 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         grid: p.grid,
         settings: p.settings,
     };
-    let (irradiance, births) = (p.irradiance.slice(), p.births.slice());
+    let states = p.irradiance.slice();
+    let age = |id: usize| p.frame.number.wrapping_sub(p.births[id].frame);
     for i in group.range(p.poses.len() as u32) {
-        let age = p.frame.number.wrapping_sub(births[i].frame);
-        let asks = p.poses[i].radius > 0.0 && sharing::asks(&irradiance[i], age);
-        let neighbours = match asks {
-            true => sharing::ask(i, &surfels, irradiance, births, p.frame.number),
-            false => Neighbours::default(),
-        };
-        p.neighbours.set(i, neighbours);
+        let pose = &p.poses[i];
+        let mut asked = sharing::Asked::default();
+        if pose.radius > 0.0 && sharing::asks(&states[i], age(i)) {
+            neighbours(
+                pose.position,
+                pose.normal,
+                &surfels,
+                states,
+                &mut |id, weight| {
+                    asked.add(&states[id], weight, age(id), id == i);
+                },
+            );
+        }
+        p.neighbours.set(i, asked.said());
     }
 }
