@@ -8,7 +8,7 @@ const LOOKUP_DEPTH_SIDE: u32 = 4u;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 const LOOKUP_SQUASH: f32 = 4.0;
 /// Weight of a surfel at its own centre.
-const LOOKUP_PEAK: f32 = 2.0;
+const LOOKUP_PEAK: f32 = 4.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 const LOOKUP_AVERAGE_OF: u32 = 16u;
 /// Summed weight below which a cell's average is not made up to a full one.

@@ -12,8 +12,9 @@ pub const DEPTH_SIDE: u32 = 4;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 pub const SQUASH: f32 = 4.0;
 
-/// Weight of a surfel at its own centre. With 2, a point is covered (weight 1) by one surfel up to 0.54 of its radius.
-pub const PEAK: f32 = 2.0;
+/// Weight of a surfel at its own centre: a point is covered (weight 1) by one surfel up to 0.71 of its radius. With 2, up to
+/// 0.54, a quarter more surfels make the same error.
+pub const PEAK: f32 = 4.0;
 
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 pub const AVERAGE_OF: usize = 16;
