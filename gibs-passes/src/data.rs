@@ -159,8 +159,8 @@ element! {
         steered: u32,
         /// Pixels along each side of a texel of gap filling, 1 or 2.
         stride: u32,
-        /// Zero.
-        pad1: u32,
+        /// Most surfels that are proposed at hits in a frame, on average.
+        hit_births: u32,
         /// Number of the debug view; 0 for none.
         debug: u32,
     }

@@ -169,6 +169,7 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("irradiance sharing", true),
             ("ray sorting", true),
             ("paths beyond a hit", true),
+            ("births at hits", false),
             ("debug view", false),
             ("irradiance at points", true)
         ]

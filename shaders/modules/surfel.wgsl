@@ -3,6 +3,8 @@ import package::grid::{GRID_RADIUS_SHARE, grid_cell_side};
 import package::types::{Camera, GridShape, SurfelSettings};
 import package::vector::vector_length;
 
+/// Marks a place among the hits of rays, where others are pixels.
+const SURFEL_AT_HIT: u32 = 0x80000000u;
 /// Least radius of a surfel beside a wall, over what it would be in the open.
 const SURFEL_LEAST_SHARE: f32 = 0.25;
 

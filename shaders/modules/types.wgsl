@@ -112,7 +112,7 @@ struct SurfelSettings {
     continuations: u32,
     steered: u32,
     stride: u32,
-    pad1: u32,
+    hit_births: u32,
     debug: u32,
 }
 

@@ -4,7 +4,7 @@ import package::hash::hash_hash3;
 import package::invocation::invocation_index;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::surface::surface_is_surface;
-import package::surfel::surfel_radius_at;
+import package::surfel::{SURFEL_AT_HIT, surfel_radius_at};
 import package::types::{
     Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform
@@ -76,15 +76,19 @@ fn main(
         return;
     }
     let slot = claim.x;
-    let point = points[claim.y];
+    let at_hit = claim.y & SURFEL_AT_HIT;
+    let point = points[claim.y & ~SURFEL_AT_HIT];
     let transform = transforms[point.transform_id];
     let normal = octahedral_unpack(point.shading_normal);
-    let clearance = clearance_of(claim.y, normal);
+    var clearance = F32_MAX;
+    if at_hit == 0u {
+        clearance = clearance_of(claim.y, normal);
+    }
     let local = vector_normalize(affine_map_transposed(transform.to_world, normal));
     let born_at = affine_map_point(transform.to_local, point.position);
     births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, clearance);
     let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
-    let identity = hash_hash3(tile, frame.number, frame.seed);
+    let identity = hash_hash3(tile | at_hit, frame.number, frame.seed);
     poses[slot] = SurfelPose(point.position, radius, normal, identity);
     irradiance[slot] = SurfelIrradiance();
     open_depth_function(slot);

@@ -138,6 +138,12 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.continuations = if paths > 0 { 0 } else { 8 },
         )?,
         setting(
+            "births at hits",
+            settings.hit_births > 0,
+            format!("the setting hit_births = {}", settings.hit_births),
+            &|other| other.hit_births = if settings.hit_births > 0 { 0 } else { 256 },
+        )?,
+        setting(
             "debug view",
             settings.debug.is_some(),
             match settings.debug {

@@ -15,6 +15,7 @@ pub mod generate_rays;
 pub mod grid_count;
 pub mod grid_order;
 pub mod grid_scatter;
+pub mod hit_gaps;
 pub mod import_gbuffer;
 pub mod integrate;
 pub mod light_batch;
@@ -89,6 +90,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<grid_count::GridCount>(),
         info::<grid_order::GridOrder>(),
         info::<grid_scatter::GridScatter>(),
+        info::<hit_gaps::HitGaps>(),
         info::<import_gbuffer::ImportGbuffer>(),
         info::<integrate::Integrate>(),
         info::<light_batch::LightBatch>(),

@@ -33,6 +33,9 @@ stage! {
     }
 }
 
+/// Marks a claim's place among the hits of rays, where others are pixels.
+pub const AT_HIT: u32 = 1 << 31;
+
 /// Sine of the angle from which on a surface counts as rising above a surfel.
 pub const RISES: f32 = 0.25;
 
@@ -69,10 +72,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let slot = claim.x as usize;
-        let point = &p.points[claim.y as usize];
+        let at_hit = claim.y & AT_HIT;
+        let point = &p.points[(claim.y & !AT_HIT) as usize];
         let transform = &p.transforms[point.transform_id as usize];
         let normal = octahedral::unpack(point.shading_normal);
-        let clearance = clearance(p, claim.y, normal);
+        let clearance = match at_hit {
+            0 => clearance(p, claim.y, normal),
+            _ => f32::MAX,
+        };
         let local = map_transposed(&transform.to_world, normal).normalize();
         p.births.set(
             slot,
@@ -91,7 +98,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 position: point.position,
                 radius: radius_at(point.position, clearance, p.camera, p.grid, p.settings),
                 normal,
-                identity: hash::hash3(tile as u32, p.frame.number, p.frame.seed),
+                identity: hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed),
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());

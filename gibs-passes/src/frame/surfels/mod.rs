@@ -215,7 +215,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         slots.counters,
         &slots.free,
     );
-    let (surfels, ray_offsets) = rays::integrate_rays(
+    let (surfels, ray_offsets, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
         &grid,
@@ -229,6 +229,22 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         let offsets = Some(&ray_offsets);
         debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
     });
+
+    let (surfels, counters_last) = match hit_gaps {
+        Some(gaps) => spawn::bear(
+            g,
+            &scene,
+            &grid,
+            &device_settings,
+            surfels,
+            "spawn/hit",
+            &gaps.wanted,
+            &gaps.points,
+            counters_last,
+            &slots.free,
+        ),
+        None => (surfels, counters_last),
+    };
 
     // Apply
     let grid = grid::fill_grid(g, "apply/inject", grid, &surfels.poses, capacity);

@@ -1,5 +1,6 @@
 //! Rays from every surfel, and what they find (I1, I2, I5).
 use super::sorting::sort_rays;
+use super::spawn::Wanted;
 use super::{Grid, Surfels, filtering, gather};
 use crate::data::*;
 use crate::frame::trace::{Batch, direct_light, resolve, surfaces};
@@ -18,7 +19,7 @@ pub(super) fn integrate_rays(
     mut surfels: Surfels,
     settings: &Settings,
     per_point: u32,
-) -> (Surfels, Buffer<u32>) {
+) -> (Surfels, Buffer<u32>, Option<HitGaps>) {
     let capacity = u64::from(settings.surfels);
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
@@ -103,7 +104,7 @@ pub(super) fn integrate_rays(
             (segment, None, None)
         }
     };
-    let (mut first_hits, mut first_paths) = (None, own_paths);
+    let (mut first_hits, mut first_paths, mut hit_gaps) = (None, own_paths, None);
     for depth in 0..=settings.continuations {
         let suffix = if depth == 0 {
             String::new()
@@ -133,6 +134,25 @@ pub(super) fn integrate_rays(
             &points,
             &name,
         );
+        let gaps = (depth == 0 && settings.hit_births > 0).then(|| {
+            let candidates = g.transient("hit_candidates", budget);
+            let flags = g.transient("hit_flags", budget);
+            let inputs = hit_gaps::Inputs {
+                batch: &segment.args,
+                frame: &scene.frame,
+                settings: device_settings,
+                points: &points,
+                gathered: &gathered,
+                candidates,
+                flags,
+            };
+            let found =
+                g.add::<hit_gaps::HitGaps>("spawn/hit_gaps", inputs, Dispatch::Elements(budget));
+            Wanted {
+                candidates: found.candidates,
+                flags: found.flags,
+            }
+        });
         let goes_on = g.zeroed(&format!("goes_on{suffix}"), budget);
         let shaded = g.add::<shade_hits::ShadeHits>(
             &format!("persistent/shade_hits{suffix}"),
@@ -165,6 +185,7 @@ pub(super) fn integrate_rays(
             )
         });
         first_paths.get_or_insert(shaded.paths);
+        hit_gaps = hit_gaps.or(gaps.map(|wanted| HitGaps { wanted, points }));
         match next {
             Some(next) => segment = next,
             None => break,
@@ -225,7 +246,13 @@ pub(super) fn integrate_rays(
         &allocated.offsets,
         &radiance,
     );
-    (surfels, allocated.offsets)
+    (surfels, allocated.offsets, hit_gaps)
+}
+
+/// Hits that no surfel covers, at each of which one may be born.
+pub(super) struct HitGaps {
+    pub wanted: Wanted,
+    pub points: Buffer<SurfacePoint>,
 }
 
 /// The rays of one path depth.

@@ -43,21 +43,55 @@ pub(super) fn spawn_surfels(
         },
         Dispatch::Groups([groups[0], groups[1], 1]),
     );
-    let (ranks, total) = exclusive_scan(g, "spawn/rank", &found.flags);
-    let claims = g.transient("spawn_claims", tiles);
+    let surfels = Surfels {
+        unseen: found.unseen,
+        ..surfels
+    };
+    let wanted = Wanted {
+        candidates: found.candidates,
+        flags: found.flags,
+    };
+    bear(
+        g, scene, grid, settings, surfels, "spawn", &wanted, points, counters, free_slots,
+    )
+}
+
+/// Where surfels are to be born.
+pub(super) struct Wanted {
+    pub candidates: Buffer<u32>,
+    pub flags: Buffer<u32>,
+}
+
+/// Takes slots for the surfels that are wanted, as far as there are any, and writes them.
+#[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
+pub(super) fn bear(
+    g: &mut Graph,
+    scene: &SceneInputs,
+    grid: &Grid,
+    settings: &Buffer<SurfelSettings>,
+    surfels: Surfels,
+    label: &str,
+    wanted: &Wanted,
+    points: &Buffer<SurfacePoint>,
+    counters: Buffer<SurfelCounters>,
+    free_slots: &Buffer<u32>,
+) -> (Surfels, Buffer<SurfelCounters>) {
+    let places = wanted.flags.len();
+    let (ranks, total) = exclusive_scan(g, &format!("{label}/rank"), &wanted.flags);
+    let claims = g.transient(&format!("{label}_claims"), places);
     let claims = g
         .add::<spawn_claim::SpawnClaim>(
-            "spawn/claim",
+            &format!("{label}/claim"),
             spawn_claim::Inputs {
                 frame: &scene.frame,
-                candidates: &found.candidates,
+                candidates: &wanted.candidates,
                 ranks: &ranks,
                 total: &total,
                 counters: &counters,
                 free_slots,
                 claims,
             },
-            Dispatch::Elements(tiles),
+            Dispatch::Elements(places),
         )
         .claims;
     let inputs = spawn_commit::Inputs {
@@ -66,10 +100,14 @@ pub(super) fn spawn_surfels(
         counters,
     };
     let counters = g
-        .add::<spawn_commit::SpawnCommit>("spawn/commit", inputs, Dispatch::Groups([1, 1, 1]))
+        .add::<spawn_commit::SpawnCommit>(
+            &format!("{label}/commit"),
+            inputs,
+            Dispatch::Groups([1, 1, 1]),
+        )
         .counters;
     let written = g.add::<spawn::Spawn>(
-        "spawn/write_to_persistent_storage",
+        &format!("{label}/write_to_persistent_storage"),
         spawn::Inputs {
             camera: &scene.camera,
             frame: &scene.frame,
@@ -83,16 +121,14 @@ pub(super) fn spawn_surfels(
             irradiance: surfels.irradiance,
             depths: surfels.depths,
         },
-        Dispatch::Elements(tiles),
+        Dispatch::Elements(places),
     );
     let surfels = Surfels {
         births: written.births,
         poses: written.poses,
         irradiance: written.irradiance,
-        light: surfels.light,
         depths: written.depths,
-        guides: surfels.guides,
-        unseen: found.unseen,
+        ..surfels
     };
     (surfels, counters)
 }
