@@ -13,7 +13,14 @@ const RECYCLING_FAR: f32 = 32.0;
 /// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
 const RECYCLING_CROWDED: f32 = 4.0;
 /// Chance per frame of a surfel in a crowd of twice that, or more.
-const RECYCLING_THINNING: f32 = 1.0 / 16.0;
+const RECYCLING_THINNING: f32 = 0.5;
+/// Frames in one of which a surfel looks around for a crowd.
+const RECYCLING_LOOKS_EVERY: u32 = 8u;
+
+/// Whether a surfel looks around for a crowd in a frame.
+fn recycling_looks(identity: u32, frame: u32) -> bool {
+    return (identity + frame) % RECYCLING_LOOKS_EVERY == 0u;
+}
 
 /// Chance that a surfel goes this frame.
 fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {

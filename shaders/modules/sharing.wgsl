@@ -11,9 +11,9 @@ const SHARING_MOST_RAYS: f32 = 4096.0;
 /// Relative standard deviation of irradiance between neighbours that is assumed even where none shows.
 const SHARING_LEAST_SPREAD: f32 = 0.03;
 /// Relative standard error of its mean below which a surfel does not ask its neighbours.
-const SHARING_CERTAIN: f32 = 0.01;
+const SHARING_CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed.
-const SHARING_UNCERTAIN_BEFORE: u32 = 1024u;
+const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 
 /// Variance of the luminance of a surfel's long mean, W^2/m^4.
 fn sharing_mean_variance(state: SurfelIrradiance, age: u32) -> f32 {

@@ -3,7 +3,7 @@ import package::coverage::lookup_coverage;
 import package::hash::{hash_hash3, hash_unit};
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_PEAK;
-import package::recycling::recycling_chance;
+import package::recycling::{recycling_chance, recycling_looks};
 import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings};
 import package::vector::vector_length;
 
@@ -38,7 +38,10 @@ fn main(
         return;
     }
     let used = f32(counters[0].live) / f32(settings.capacity);
-    let others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;
+    var others = 0.0;
+    if recycling_looks(pose.identity, frame.number) {
+        others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;
+    }
     let distance = vector_length(pose.position - camera.eye) / grid.half;
     let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);
     let random = hash_unit(hash_hash3(pose.identity, frame.number, frame.seed));

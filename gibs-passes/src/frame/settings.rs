@@ -65,7 +65,7 @@ impl Default for Settings {
             rays: 100_000,
             radius: 0.0,
             coverage: 1.0,
-            lookup: 128,
+            lookup: 256,
             half_resolution: true,
             depth: true,
             depth_blend: 0.05,
@@ -280,14 +280,14 @@ impl Settings {
 
     /// The grid's shape for a picture where a pixel subtends this angle, radians.
     ///
-    /// Cells are about three target radii wide: wide enough that the grid does not limit radii, narrow enough that
+    /// Cells are about four target radii wide: wide enough that the grid does not limit radii, narrow enough that
     /// lists stay short.
     pub fn grid(&self, pixel_angle: f32, size: [u32; 2]) -> GridLayout {
-        const RADII_PER_CELL: f32 = 3.0;
+        const RADII_PER_CELL: f32 = 4.0;
         let radius = self.radius_in(size);
         let fitting = 2.0 / (RADII_PER_CELL * radius * pixel_angle.max(1e-6));
         let side = if self.grid_side == 0 {
-            (fitting as u32).clamp(4, 48)
+            (fitting as u32).clamp(4, 40)
         } else {
             self.grid_side.max(4)
         };

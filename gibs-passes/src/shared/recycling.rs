@@ -18,13 +18,22 @@ pub const FAR: f32 = 32.0;
 /// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
 pub const CROWDED: f32 = 4.0;
 
-/// Chance per frame of a surfel in a crowd of twice that, or more. Low, so that a crowd thins out over some frames and
-/// does not vanish at once.
-pub const THINNING: f32 = 1.0 / 16.0;
+/// Frames in one of which a surfel looks around for a crowd, since looking costs a lookup.
+pub const LOOKS_EVERY: u32 = 8;
+
+/// Chance of a surfel that looks and sees a crowd of twice that, or more. All of a crowd do not look in the same frame, so
+/// that it thins out over some and does not vanish at once.
+pub const THINNING: f32 = 0.5;
+
+/// Whether a surfel looks around for a crowd in a frame.
+#[inline]
+pub fn looks(identity: u32, frame: u32) -> bool {
+    identity.wrapping_add(frame).is_multiple_of(LOOKS_EVERY)
+}
 
 /// Chance that a surfel goes this frame: `used` is the share of slots in use, `unseen` the frames since a pixel saw it,
 /// `distance` that to the eye over the half size of the centre cube, `others` what other surfels cover its place, over
-/// the coverage at which spawning stops.
+/// the coverage at which spawning stops, 0 where it does not look.
 #[inline]
 pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
     let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);

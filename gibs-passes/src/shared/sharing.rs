@@ -21,10 +21,10 @@ pub const MOST_RAYS: f32 = 4096.0;
 pub const LEAST_SPREAD: f32 = 0.03;
 
 /// Relative standard error of its mean below which a surfel does not ask its neighbours.
-pub const CERTAIN: f32 = 0.01;
+pub const CERTAIN: f32 = 0.015;
 
 /// Rays before which no standard error is believed: what is rare may not have come yet.
-pub const UNCERTAIN_BEFORE: u32 = 1024;
+pub const UNCERTAIN_BEFORE: u32 = 256;
 
 /// Variance of the luminance of a surfel's long mean, from that of a frame's sample and its age in frames, W^2/m^4.
 #[inline]

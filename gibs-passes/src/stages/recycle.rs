@@ -63,7 +63,10 @@ fn choose(
         let pose = &p.poses[i];
         let mut gone = 0;
         if pose.radius > 0.0 {
-            let others = coverage(pose.position, pose.normal, &surfels) - lookup::PEAK;
+            let others = match recycling::looks(pose.identity, p.frame.number) {
+                true => coverage(pose.position, pose.normal, &surfels) - lookup::PEAK,
+                false => 0.0,
+            };
             let chance = recycling::chance(
                 used,
                 p.unseen[i],
