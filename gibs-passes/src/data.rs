@@ -163,6 +163,14 @@ element! {
         hit_births: u32,
         /// Number of the debug view; 0 for none.
         debug: u32,
+        /// 1 where new surfels take the geometric normal.
+        geometric_normals: u32,
+        /// Zero.
+        pad0: u32,
+        /// Zero.
+        pad1: u32,
+        /// Zero.
+        pad2: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.

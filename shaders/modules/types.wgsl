@@ -114,6 +114,10 @@ struct SurfelSettings {
     stride: u32,
     hit_births: u32,
     debug: u32,
+    geometric_normals: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Corners {

@@ -79,7 +79,8 @@ fn main(
     let at_hit = claim.y & SURFEL_AT_HIT;
     let point = points[claim.y & ~SURFEL_AT_HIT];
     let transform = transforms[point.transform_id];
-    let normal = octahedral_unpack(point.shading_normal);
+    let is_geometric = settings.geometric_normals != 0u;
+    let normal = octahedral_unpack(select(point.shading_normal, point.geometric_normal, is_geometric));
     var clearance = F32_MAX;
     if at_hit == 0u {
         clearance = clearance_of(claim.y, normal);

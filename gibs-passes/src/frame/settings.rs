@@ -45,6 +45,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub hit_births: u32,
     /// See [`Settings::all`].
+    pub geometric_normals: bool,
+    /// See [`Settings::all`].
     pub grid_side: u32,
     /// See [`Settings::all`].
     pub grid_reach: f32,
@@ -78,6 +80,7 @@ impl Default for Settings {
             lights: 4,
             continuations: 8,
             hit_births: 0,
+            geometric_normals: false,
             grid_side: 0,
             grid_reach: 400.0,
             grid_lists: 8,
@@ -234,6 +237,7 @@ settings! {
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
     hit_births: u32, "surfels/frame", 0, 65_536, "surfels born where rays hit what none covers, at most and on average";
+    geometric_normals: bool, "", 0.0, 1.0, "new surfels take the geometric normal, for a G-buffer with normal maps; else that of shading";
     grid_side: u32, "cells", 0, 64, "cells along a side of the centre cube and across a slice, at least 4; 0 to fit the surfels";
     grid_reach: f32, "half cubes", 2.0, 100_000.0, "distance at which the last slice of the grid begins";
     grid_lists: u32, "entries", 1, 64, "room in the lists of the grid's cells, per surfel of capacity";
@@ -316,6 +320,7 @@ impl Settings {
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
             hit_births: self.hit_births,
+            geometric_normals: u32::from(self.geometric_normals),
             steered: u32::from(self.steering),
             debug: self.debug.map_or(0, DebugView::number),
             stride: self.stride(),

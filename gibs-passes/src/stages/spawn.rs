@@ -10,7 +10,7 @@ use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
 
 stage! {
-    /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with the geometric normal,
+    /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with its normal,
     /// its depth function at the diameter everywhere, no irradiance yet. Its identity is a hash of tile and frame.
     pub stage Spawn {
         wgsl: gibs_shaders::stages::SPAWN,
@@ -75,7 +75,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let at_hit = claim.y & AT_HIT;
         let point = &p.points[(claim.y & !AT_HIT) as usize];
         let transform = &p.transforms[point.transform_id as usize];
-        let normal = octahedral::unpack(point.shading_normal);
+        let normal = octahedral::unpack(match p.settings.geometric_normals {
+            0 => point.shading_normal,
+            _ => point.geometric_normal,
+        });
         let clearance = match at_hit {
             0 => clearance(p, claim.y, normal),
             _ => f32::MAX,
