@@ -9,7 +9,7 @@ use gibs::picture::{FINAL_IMAGE, Picture};
 fn flip(a: &Picture, b: &Picture) -> f64 {
     let options = CompareOptions {
         layer: FINAL_IMAGE.into(),
-        exposure: None,
+        ..CompareOptions::default()
     };
     let report = compare(a, b, &options).expect("comparable");
     assert!(report.passed(), "{report}");

@@ -18,6 +18,8 @@ fn with_view(view: DebugView) -> Settings {
     Settings {
         guiding: true,
         debug: Some(view),
+        // Each pixel is looked at and looks itself.
+        half_resolution: false,
         ..settings(20_000)
     }
 }

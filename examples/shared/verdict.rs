@@ -114,7 +114,7 @@ impl Twin {
         };
         let options = CompareOptions {
             layer: "indirect".into(),
-            exposure: None,
+            ..CompareOptions::default()
         };
         let report = compare(&picture(indirect)?, &picture(&expected)?, &options)?;
         let (flip, bias) = (report.metrics.flip, report.metrics.bias);

@@ -26,6 +26,9 @@ pub struct Args {
     /// Factor on both pictures before FLIP [default: brings the truth's mean luminance to 0.18]
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub exposure: Option<f64>,
+    /// Where the picture is an odd multiple of the truth's size, take the pixels at the truth's centres instead of means
+    #[arg(long)]
+    pub centers: bool,
     /// The two halves of the truth's samples (OpenEXR), which tell the noise of the truth
     #[arg(long, num_args = 2, value_names = ["HALFA", "HALFB"])]
     pub halves: Option<Vec<PathBuf>>,
@@ -98,6 +101,7 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
     let options = CompareOptions {
         layer: layer_name(&args.channel),
         exposure: args.exposure,
+        centers: args.centers,
     };
     let (ours, truth) = read_both(&args.ours, &args.truth)?;
     let mut report =

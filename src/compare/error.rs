@@ -27,6 +27,15 @@ pub enum CompareError {
         /// The truth's height in pixels.
         truth_height: u32,
     },
+    /// Cells of an even size have no middle.
+    #[error(
+        "our picture is {factor} times as large as the truth, and only an odd multiple has pixels whose centres are \
+         the truth's; render at such a size, or compare without --centers"
+    )]
+    NoCenters {
+        /// Our pixels in a row for each one of the truth's.
+        factor: usize,
+    },
     /// No pixel is left to compare.
     #[error(
         "none of the truth's {pixels} pixels is left to compare ({missed} hit nothing, \

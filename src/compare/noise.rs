@@ -54,6 +54,6 @@ pub fn noise_floor(
         pairs.map(|(a, b)| 0.5 * a + 0.5 * b).collect()
     });
     mean.set_rgb(layer, planes).map_err(CompareError::Truth)?;
-    let pair = Pair::new(half_a, &mean, truth, layer)?;
+    let pair = Pair::new(half_a, &mean, truth, layer, false)?;
     Ok(compare_pair(pair, options)?.metrics)
 }

@@ -41,10 +41,14 @@ impl Pair {
         truth: &Picture,
         masks: &Picture,
         layer: &str,
+        centers: bool,
     ) -> Result<Self, CompareError> {
         let truth_rgb = truth.rgb(layer).map_err(CompareError::Truth)?;
         let ours_rgb = ours.rgb(layer).map_err(CompareError::Ours)?;
         let factor = size_factor(ours, truth)?;
+        if centers && factor % 2 == 0 {
+            return Err(CompareError::NoCenters { factor });
+        }
         if (masks.width, masks.height) != (truth.width, truth.height) {
             return Err(size_error(truth, masks));
         }
@@ -66,7 +70,10 @@ impl Pair {
             width,
             height,
             factor,
-            ours: ours_rgb.map(|plane| average_down(plane, width, height, factor)),
+            ours: ours_rgb.map(|plane| match centers {
+                true => middles(plane, width, factor),
+                false => average_down(plane, width, height, factor),
+            }),
             truth: truth_rgb.map(<[f32]>::to_vec),
             mask,
             counts,
@@ -171,6 +178,16 @@ fn not_finite(rgb: [&[f32]; 3], counts: impl Fn(usize) -> bool) -> Option<(usize
         .filter(|&i| counts(i));
     let first = bad.next()?;
     Some((1 + bad.count(), first))
+}
+
+/// The middle pixels of cells of `factor` x `factor`, which is odd; the result has `width` of them in a row.
+fn middles(plane: &[f32], width: usize, factor: usize) -> Vec<f32> {
+    let rows = plane.chunks_exact(width * factor);
+    let middle = factor / 2;
+    rows.skip(middle)
+        .step_by(factor)
+        .flat_map(|row| row.iter().skip(middle).step_by(factor).copied())
+        .collect()
 }
 
 /// Means over cells of `factor` x `factor` pixels; the result has `width` x `height` of them.

@@ -21,8 +21,10 @@ pub struct Report {
     pub width: u32,
     /// The truth's height in pixels.
     pub height: u32,
-    /// Our pixels in a row that were averaged to one of the truth's; 1 where the sizes agree.
+    /// Our pixels in a row for one of the truth's; 1 where the sizes agree.
     pub averaged: u32,
+    /// Whether their middle stands for them, in place of their mean.
+    pub centers: bool,
     /// The pixels compared and left out.
     pub mask: MaskCounts,
     /// m: the truth's mean luminance over the mask, in the layer's units.
@@ -122,7 +124,11 @@ impl fmt::Display for Report {
             }
         }
         if self.averaged > 1 {
-            writeln!(f, "  our picture averaged down {0}x{0}", self.averaged)?;
+            let how = match self.centers {
+                true => "thinned out",
+                false => "averaged down",
+            };
+            writeln!(f, "  our picture {how} {0}x{0}", self.averaged)?;
         }
         writeln!(
             f,

@@ -178,6 +178,27 @@ fn larger_pictures_are_averaged_down() {
 }
 
 #[test]
+fn pictures_are_thinned_out_to_the_centres_of_the_truth() {
+    let truth = grey(6, 4, |x, y| 1.0 + (x + 10 * y) as f32);
+    // Right in the middle of each cell and nowhere else.
+    let ours = grey(18, 12, |x, y| match (x % 3, y % 3) {
+        (1, 1) => 1.0 + (x / 3 + 10 * (y / 3)) as f32,
+        _ => 1000.0,
+    });
+    let options = CompareOptions {
+        centers: true,
+        ..CompareOptions::default()
+    };
+    let report = compare(&ours, &truth, &options).unwrap();
+    close(report.metrics.rel_mse, 0.0);
+    let even = compare(&grey(12, 8, |_, _| 1.0), &truth, &options).unwrap_err();
+    assert!(
+        matches!(even, CompareError::NoCenters { factor: 2 }),
+        "{even}"
+    );
+}
+
+#[test]
 fn values_that_are_not_finite_fail_the_comparison() {
     let truth = with(grey(16, 16, |_, _| 1.0), "mask.A", |x, _| f32::from(x > 0));
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {

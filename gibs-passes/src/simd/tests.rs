@@ -86,7 +86,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         assert_eq!(seen, same_seen, "case {case}");
         assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
         let (mut around, mut same_around) = (Vec::new(), Vec::new());
-        let wanted = |id: usize| id % 7 != 0;
+        let wanted = |id: usize| !id.is_multiple_of(7);
         let each = |id, weight: f32| around.push((id, weight.to_bits()));
         lookup::neighbours(point, normal, 1.5, &surfels, wanted, each);
         let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
