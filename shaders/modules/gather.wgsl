@@ -14,9 +14,10 @@ fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return 1.0;
 }
 
-/// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
-/// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
-fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
+/// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
+/// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
+/// weight is below one; elsewhere nobody asks for it.
+fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32) -> Gathered {
     let cell = cells[grid_cell(point, grid)];
     let count = min(cell.y, settings.lookup);
     var g: Gathered;
@@ -32,6 +33,9 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>) -> Gathered {
         g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
         g.confidence += weight * light[id].trust;
+        if g.weight >= enough {
+            break;
+        }
     }
     if g.weight > 0.0 {
         g.confidence /= g.weight;

@@ -18,6 +18,9 @@ import package::types::{
 @if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
 @group(0) @binding(9) var<storage, read_write> gathered: array<Gathered>;
 
+/// No summed weight is enough.
+const ALL: f32 = 0x1.fffffep+127f;
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -31,7 +34,7 @@ fn main(
     let point = points[i];
     var found = Gathered();
     if surface_is_surface(point) {
-        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal));
+        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal), ALL);
     }
     gathered[i] = found;
 }

@@ -24,6 +24,10 @@ pub const AVERAGE_OF: usize = 16;
 /// functions.
 pub const AVERAGE_LEAST: f32 = 0.5;
 
+/// Summed weight at which a lookup at a ray's hit ends: the surfels of a list come in no order, so that its first ones are
+/// an unbiased subset, and what that adds in noise is little beside that of the ray. At a pixel it would show.
+pub const ENOUGH_AT_HITS: f32 = 2.0;
+
 /// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces. Younger, it lacks
 /// the light that its neighbours had not found yet, and a long mean would keep that lack: in a white box of albedo a,
 /// the error falls with time only as t^(-2 (1 - a)).
@@ -206,10 +210,17 @@ pub fn neighbours(
     }
 }
 
-/// Irradiance at a point from the surfels in its cell that have integrated any rays. The cell's average, with normal
-/// and depth weights only, is found where the summed weight is below one; elsewhere nobody asks for it.
+/// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
+/// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
+/// weight is below one; elsewhere nobody asks for it.
 #[inline]
-pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
+pub fn gather(
+    point: Vec3,
+    normal: Vec3,
+    enough: f32,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> Gathered {
     let entries = s.around(point);
     let share = |id: usize, d: Vec3| {
         if !s.depths.is_empty() {
@@ -231,6 +242,9 @@ pub fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight])
         g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
         g.confidence += weight * light[id].trust;
+        if g.weight >= enough {
+            break;
+        }
     }
     if g.weight > 0.0 {
         g.confidence /= g.weight;

@@ -69,13 +69,14 @@ impl Lookup {
         self,
         point: Vec3,
         normal: Vec3,
+        enough: f32,
         s: &Surfels<'_>,
         light: &[SurfelLight],
     ) -> Gathered {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { gather(point, normal, s, light) },
-            None => lookup::gather(point, normal, s, light),
+            Some(Avx2 { .. }) => unsafe { gather(point, normal, enough, s, light) },
+            None => lookup::gather(point, normal, enough, s, light),
         }
     }
 }
@@ -351,6 +352,9 @@ fn stored(x: __m256) -> [f32; 8] {
     lanes
 }
 
+/// Summed weight, over that of a surfel at its centre, that a few surfels are likely to reach.
+const FEW: f32 = 1.0;
+
 /// Surfels that wait for their depth functions, with their weights so far.
 struct Pending {
     ids: [u32; 8],
@@ -496,16 +500,26 @@ fn neighbours(
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
+fn gather(
+    point: Vec3,
+    normal: Vec3,
+    enough: f32,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> Gathered {
     let entries = s.around(point);
     let (point, normal) = (all(point), all(normal));
     let use_depth = !s.depths.is_empty();
+    // A few surfels are likely to be enough where that is little: they are not kept waiting for eight.
+    let few = if enough < FEW * lookup::PEAK { 3 } else { 8 };
     let mut pending = Pending::EMPTY;
     let mut g = Gathered::default();
-    let mut sum = |id: usize, weight: f32| {
-        g.irradiance += light[id].irradiance * weight;
-        g.weight += weight;
-        g.confidence += weight * light[id].trust;
+    let sum = |g: &mut Gathered, id: usize, weight: f32| {
+        if g.weight < enough {
+            g.irradiance += light[id].irradiance * weight;
+            g.weight += weight;
+            g.confidence += weight * light[id].trust;
+        }
     };
     for chunk in entries.chunks(8) {
         let (ids, there) = eight(chunk);
@@ -521,11 +535,17 @@ fn gather(point: Vec3, normal: Vec3, s: &Surfels<'_>, light: &[SurfelLight]) -> 
         lanes(mask, |lane| {
             let id = ids[lane];
             if light[id as usize].trust != 0.0 && pending.push(id, weights[lane]) {
-                pending.flush(s, use_depth, &point, &mut sum);
+                pending.flush(s, use_depth, &point, |id, weight| sum(&mut g, id, weight));
             }
         });
+        if pending.count >= few {
+            pending.flush(s, use_depth, &point, |id, weight| sum(&mut g, id, weight));
+        }
+        if g.weight >= enough {
+            break;
+        }
     }
-    pending.flush(s, use_depth, &point, &mut sum);
+    pending.flush(s, use_depth, &point, |id, weight| sum(&mut g, id, weight));
     if g.weight > 0.0 {
         g.confidence /= g.weight;
     }

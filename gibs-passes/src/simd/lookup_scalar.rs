@@ -42,9 +42,10 @@ impl Lookup {
         self,
         point: Vec3,
         normal: Vec3,
+        enough: f32,
         s: &Surfels<'_>,
         light: &[SurfelLight],
     ) -> Gathered {
-        lookup::gather(point, normal, s, light)
+        lookup::gather(point, normal, enough, s, light)
     }
 }

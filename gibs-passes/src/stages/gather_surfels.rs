@@ -31,13 +31,15 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    gather(p, group, lookup::gather);
+    gather(p, group, |point, normal, surfels, light| {
+        lookup::gather(point, normal, f32::MAX, surfels, light)
+    });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
     gather(p, group, |point, normal, surfels, light| {
-        wide.gather(point, normal, surfels, light)
+        wide.gather(point, normal, f32::MAX, surfels, light)
     });
 }
 

@@ -11,6 +11,7 @@ pub mod drift_blocks;
 pub mod drift_total;
 pub mod export_indirect;
 pub mod gap_fill;
+pub mod gather_at_hits;
 pub mod gather_direct;
 pub mod gather_surfels;
 pub mod generate_rays;
@@ -90,6 +91,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<drift_total::DriftTotal>(),
         info::<export_indirect::ExportIndirect>(),
         info::<gap_fill::GapFill>(),
+        info::<gather_at_hits::GatherAtHits>(),
         info::<gather_direct::GatherDirect>(),
         info::<gather_surfels::GatherSurfels>(),
         info::<generate_rays::GenerateRays>(),

@@ -1,7 +1,7 @@
 //! Rays from every surfel, and what they find (I1, I2, I5).
 use super::sorting::sort_rays;
 use super::spawn::Wanted;
-use super::{Grid, Surfels, filtering, gather};
+use super::{Grid, Surfels, filtering};
 use crate::data::*;
 use crate::frame::trace::{Batch, direct_light, resolve, surfaces};
 use crate::frame::{SceneInputs, Settings};
@@ -122,16 +122,22 @@ pub(super) fn integrate_rays(
         let direct = direct_light(g, "persistent", &suffix, scene, per_point, &batch, &points);
         let label = format!("persistent/gather_surfels{suffix}");
         let name = format!("persistent_gathered{suffix}");
-        let gathered = gather(
-            g,
-            &label,
-            grid,
-            device_settings,
-            &surfels,
-            &batch,
-            &points,
-            &name,
-        );
+        let gathered = g.transient(&name, budget);
+        let inputs = gather_at_hits::Inputs {
+            batch: &segment.args,
+            grid: &grid.shape,
+            settings: device_settings,
+            points: &points,
+            cells: &grid.cells,
+            entries: &grid.entries,
+            poses: &surfels.poses,
+            light: &surfels.light,
+            depths: surfels.depths.as_ref(),
+            gathered,
+        };
+        let gathered = g
+            .add::<gather_at_hits::GatherAtHits>(&label, inputs, batch.dispatch())
+            .gathered;
         let gaps = (depth == 0 && settings.hit_births > 0).then(|| {
             let candidates = g.transient("hit_candidates", budget);
             let flags = g.transient("hit_flags", budget);
