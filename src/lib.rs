@@ -48,6 +48,7 @@ pub mod gi;
 pub mod gltf_import;
 pub mod guiding;
 pub mod picture;
+pub mod plot;
 mod query;
 pub mod reference;
 pub mod renderer;
