@@ -4,11 +4,12 @@
 //! cargo run --release --example surfel_scaling -- atrium --out surfel-scaling.svg
 //! ```
 //!
-//! Picture, camera, budget of rays, capacity and all other settings stay as they are. What varies is the radius of surfels on
-//! screen: the same surfaces are covered by more of smaller ones, so that each pixel and each hit should find as many surfels as
-//! before. Frames run until hardly any are born, then the median time of each stage over some more frames counts. Where a curve of
-//! time per surfel is level, the time is proportional to the surfels; where it falls, a part of it does not depend on them;
-//! where it rises, the stage does not scale. Nothing is asserted. `docs/performance.md` has figures.
+//! What varies is the size of the picture: surfels have a radius of four pixels, so that a picture of twice the area has twice the
+//! surfels, each half as large in the scene, and as many pixels for each of them. Each pixel and each hit should find as many
+//! surfels as before. Scene, camera, budget of rays, capacity and all other settings stay as they are. Frames run until hardly any
+//! surfels are born, then the median time of each stage over some more frames counts. Where a curve of time per surfel is level,
+//! the time is proportional to the surfels; where it falls, a part of it does not depend on them; where it rises, the stage does
+//! not scale. Nothing is asserted. `docs/performance.md` has figures.
 #[path = "shared/scene.rs"]
 mod scene;
 
@@ -37,7 +38,7 @@ struct Args {
     #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..))]
     least: u32,
     /// Largest number of surfels, about
-    #[arg(long, default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(64..=524_288))]
+    #[arg(long, default_value_t = 262_144, value_parser = clap::value_parser!(u32).range(64..=CAPACITY.into()))]
     most: u32,
     /// Frames to time
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
@@ -47,11 +48,15 @@ struct Args {
     out: Option<PathBuf>,
 }
 
-/// Width and height of the picture: where surfels of a pixel or two are about as many as the largest number.
-const SIZE: [u32; 2] = [960, 540];
+/// Radius of surfels, pixels.
+const RADIUS: f32 = 4.0;
 
-/// Twice the largest number, since coverage decides how many there are in the end.
-const CAPACITY: u32 = 1_048_576;
+/// Pixels for each surfel of that radius when no more are born: 8.5 times as many surfels as discs fit the picture, as
+/// `Settings::radius_in` has it.
+const PIXELS_PER_SURFEL: f64 = std::f64::consts::PI * 16.0 / 8.5;
+
+/// Twice the largest number: coverage decides how many there are in the end.
+const CAPACITY: u32 = 524_288;
 
 /// Frames after which surfels are counted, whether or not more are born.
 const MOST_FRAMES: u32 = 96;
@@ -74,7 +79,7 @@ const GROUPS: [Group; 4] = [
 
 /// One number of surfels.
 struct Measured {
-    radius: f32,
+    size: [u32; 2],
     surfels: u32,
     /// Milliseconds of each group.
     groups: [f64; 4],
@@ -83,15 +88,14 @@ struct Measured {
 }
 
 fn measure(args: &Args, about: u32) -> Result<Measured, Box<dyn Error>> {
-    // As `Settings::radius_in` has it.
-    let pixels = SIZE[0] as f32 * SIZE[1] as f32;
-    let radius = (8.5 * pixels / (about as f32 * std::f32::consts::PI)).sqrt();
+    let height = (f64::from(about) * PIXELS_PER_SURFEL * 9.0 / 16.0).sqrt();
+    let size = [height * 16.0 / 9.0, height].map(|side| side.round() as u32);
     let mut settings = Settings::default();
-    settings.set("radius", &radius.to_string())?;
+    settings.set("radius", &RADIUS.to_string())?;
     settings.set("surfels", &CAPACITY.to_string())?;
     let backend = backends::open(args.backend)?;
     let (scene, view) = scene::load(&args.scene, args.view.as_deref())?;
-    let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0)?;
+    let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, size, &settings, 0)?;
     let mut surfels = 0;
     for frame in 1..=MOST_FRAMES {
         renderer.frame()?;
@@ -128,7 +132,7 @@ fn measure(args: &Args, about: u32) -> Result<Measured, Box<dyn Error>> {
             .sum()
     };
     Ok(Measured {
-        radius,
+        size,
         surfels: renderer.counters()?.live,
         groups: GROUPS.map(|(_, belongs)| sum(belongs)),
         frame: medians.iter().sum(),
@@ -141,7 +145,7 @@ fn per_surfel(milliseconds: f64, surfels: u32) -> f64 {
 }
 
 fn run(args: &Args) -> Result<(), Box<dyn Error>> {
-    println!("| surfels | radius | grid | apply | integration | ray set-up | frame |");
+    println!("| surfels | picture | grid | apply | integration | ray set-up | frame |");
     println!("|---|---|---|---|---|---|---|");
     let mut all = Vec::new();
     let counts = std::iter::successors(Some(args.least), |n| n.checked_mul(2));
@@ -152,9 +156,10 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
             format!("{milliseconds:.2} ms, {nanoseconds:.0} ns")
         });
         println!(
-            "| {} | {:.1} | {} | {:.0} ms |",
+            "| {} | {}x{} | {} | {:.0} ms |",
             m.surfels,
-            m.radius,
+            m.size[0],
+            m.size[1],
             groups.join(" | "),
             m.frame
         );
