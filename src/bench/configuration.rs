@@ -52,7 +52,6 @@ pub fn configurations(
     all
 }
 
-/// All elements.
 impl Configuration {
     /// All elements of the technique, for [`configurations`].
     pub fn elements() -> Vec<&'static TechniqueElement> {

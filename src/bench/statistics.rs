@@ -24,7 +24,7 @@ impl Mean {
     }
 }
 
-/// How values are spread: nearest ranks.
+/// How values are spread: percentiles, linear between values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
     /// The 10th percentile.
@@ -41,9 +41,11 @@ impl Spread {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().saturating_sub(1) as f64;
+        let value = |rank: f64| sorted.get(rank as usize).copied().unwrap_or(f64::NAN);
         let at = |share: f64| {
-            let value = sorted.get((last * share).round() as usize);
-            value.copied().unwrap_or(f64::NAN)
+            let rank = last * share;
+            let (below, above) = (value(rank.floor()), value(rank.ceil()));
+            below + (above - below) * rank.fract()
         };
         Self {
             low: at(0.1),

@@ -54,6 +54,8 @@ fn means_and_spreads_are_those_of_the_values() {
     assert!((error - (8.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
     let spread = Spread::of((0..=10).rev().map(f64::from));
     assert_eq!((spread.low, spread.median, spread.high), (1.0, 5.0, 9.0));
+    let two = Spread::of([4.0, 2.0].into_iter());
+    assert_eq!((two.low, two.median, two.high), (2.2, 3.0, 3.8));
     assert!(Spread::of([].into_iter()).median.is_nan());
 }
 
