@@ -142,7 +142,7 @@ fn entries<'a>(series: &[Series], area: &Area<'a>) -> Drawn<'a> {
         let style = color(index).stroke_width(3);
         match dashed(index) {
             false => area.draw(&PathElement::new(line, style))?,
-            true => area.draw(&DashedPathElement::new(line.into_iter(), 9, 6, style))?,
+            true => area.draw(&DashedPathElement::new(line, 9, 6, style))?,
         }
         area.draw(&Circle::new((22, middle), 5, color(index).filled()))?;
         let font = ("sans-serif", TEXT).into_font().color(&INK);
