@@ -159,7 +159,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             say!("{}\n\n{}", heading(&measured), bench::table(&measured.rows));
         }
         if let Some(folder) = &args.report {
-            let svg = bench::plot(&format!("{}: error", stem(name)), &measured.rows);
+            let svg = bench::plot(
+                &format!("{}: error over frames", stem(name)),
+                &measured.rows,
+            );
             replace_file(&folder.join(file_name(&args.scenes, index)), svg.as_bytes())?;
         }
         all.push(measured);
@@ -207,12 +210,13 @@ fn heading(measured: &Measured) -> String {
         .standard_error
         .map(|e| format!(", standard error {:.1} % per pixel", e * 100.0));
     format!(
-        "{} on {} ({}): {width}x{height}, {} rays a frame, {} seeds; truth of {pixels}{}{}",
+        "{} on {} ({}): {width}x{height}, {} rays a frame, {} seed{}; truth of {pixels}{}{}",
         measured.scene,
         measured.backend,
         measured.device,
         measured.rays,
         measured.seeds,
+        if measured.seeds == 1 { "" } else { "s" },
         samples.unwrap_or_default(),
         error.unwrap_or_default(),
     )
