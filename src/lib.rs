@@ -19,7 +19,7 @@
 //! # Determinism
 //! The same scene, view, settings, size, seed and sequence of calls give the same bits on one backend and device, whatever
 //! the number of threads. Between backends results differ by rounding alone, since WGSL leaves some of it open; pictures
-//! agree far closer than two seeds do. No clock and no random source of the system is read.
+//! agree far closer than two seeds do. No random source of the system is read, and no clock but by [`bench`].
 //!
 //! # Threads
 //! [`Renderer`], [`Gi`] and executables are `Send`: make them on one thread and use them on another. Calls take `&mut
@@ -39,6 +39,7 @@
 //! itself, and no interface.
 #![warn(missing_docs)]
 pub mod backends;
+pub mod bench;
 pub mod builtin;
 mod channels;
 pub mod cli;
@@ -48,6 +49,7 @@ pub mod gi;
 pub mod gltf_import;
 pub mod guiding;
 pub mod picture;
+pub mod plot;
 mod query;
 pub mod reference;
 pub mod renderer;

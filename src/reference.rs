@@ -38,6 +38,8 @@ pub struct Certainty {
     pub fireflies: usize,
     /// Frames that ran: segments of the longest sequence of paths.
     pub frames: u32,
+    /// Segments of all paths: the rays whose closest hit was sought, but for one to the primary surface of each pixel.
+    pub segments: u64,
     /// What the scene lost on the way to the device, as [`crate::Renderer::warnings`]; the picture is of the rest.
     pub warnings: Vec<String>,
 }
@@ -49,7 +51,8 @@ const MOST_LIGHTS: u32 = 64;
 const LOOK_EVERY: u32 = 16;
 
 /// Renders ground truth: the final image in `R G B`, `E`, `direct` and everything else that a truth has, the standard error of E's luminance as
-/// `standard_error.Y`, and `firefly.A`. `progress` hears of finished frames and of the pixels that are left.
+/// `standard_error.Y`, and `firefly.A`. `progress` hears of finished frames and of the pixels that are left, for the first
+/// time before the first frame.
 ///
 /// # Errors
 /// As [`crate::Renderer`].
@@ -102,6 +105,7 @@ pub fn reference(
         exec.upload(primary, 0, bytemuck::cast_slice(&points))?;
     }
     let mut frames = 0;
+    progress(frames, options.size[0] * options.size[1]);
     loop {
         let (size, samples, seed) = (options.size, options.samples, options.seed);
         upload_reference(
@@ -206,6 +210,7 @@ fn compose(
         standard_error: if average > 0.0 { error / average } else { 0.0 },
         fireflies: paths.iter().filter(|p| firefly(p)).count(),
         frames,
+        segments: paths.iter().map(|p| u64::from(p.segments)).sum(),
         warnings: device.warnings.clone(),
     };
     Ok((picture, certainty))

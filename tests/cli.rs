@@ -120,6 +120,8 @@ fn help_and_version_are_no_failure() {
         "compare",
         "graph",
         "profile",
+        "guiding",
+        "bench",
         "settings",
         "devices",
     ] {
@@ -363,6 +365,120 @@ fn guiding_is_measured_under_environments() {
     assert!(
         text.contains("windows on cpu: 4 probes") && text.contains(" % +- "),
         "{text}"
+    );
+}
+
+#[test]
+fn elements_are_measured_beside_path_tracing() {
+    let folder = Folder::new("bench");
+    let report = folder.path("report");
+    let few = [
+        "bench",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "60x40",
+        "--set",
+        "surfels=8192",
+        "--rays",
+        "20000",
+        "--frames",
+        "3",
+        "--spp",
+        "16",
+    ];
+    let more = ["--elements", "guiding,sharing", "--json", "--report"];
+    let all = json(&[&few[..], &more, &[&report]].concat());
+    let measured = &all[0];
+    // Every fifth pixel.
+    assert_eq!(
+        (&measured["truth"]["step"], &measured["truth"]["samples"]),
+        (&5.into(), &16.into())
+    );
+    assert!(measured["truth"]["standard_error"].as_f64().unwrap() > 0.0);
+    let rows = measured["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows
+        .iter()
+        .map(|row| row["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "as set",
+            "with guiding",
+            "without sharing",
+            "1/4 of the rays",
+            "4 x the rays",
+            "path tracing"
+        ]
+    );
+    let last = |row: &Value| row["after"].as_array().unwrap().last().unwrap().clone();
+    let rays: Vec<f64> = rows
+        .iter()
+        .map(|row| last(row)["rays"].as_f64().unwrap())
+        .collect();
+    // The budget, and up to as many again of paths that go on; path tracing takes whole samples, about eight a pixel, and the mean
+    // length of its paths is known to a few percent.
+    assert!((20_000.0..40_000.0).contains(&rays[0]), "{rays:?}");
+    assert!((5_000.0..10_000.0).contains(&rays[3]), "{rays:?}");
+    assert!((80_000.0..160_000.0).contains(&rays[4]), "{rays:?}");
+    assert!((rays[5] / rays[0] - 1.0).abs() < 0.12, "{rays:?}");
+    for row in rows {
+        let last = last(row);
+        assert_eq!((&last["frames"], &last["asked"]), (&3.into(), &true.into()));
+        for metric in ["rel_mse", "mape", "p99", "flip"] {
+            let value = &last["errors"][metric];
+            assert!(value["mean"].as_f64().unwrap() > 0.0, "{row}");
+            assert!(value["standard_error"].as_f64().unwrap() >= 0.0, "{row}");
+        }
+        assert!(last["milliseconds"].as_f64().unwrap() > 0.0, "{row}");
+    }
+    assert_eq!(last(&rows[0])["ratio"]["median"], 1.0);
+    let read = |name: &str| std::fs::read_to_string(Path::new(&report).join(name)).unwrap();
+    assert!(read("cornell.svg").contains("without sharing"));
+    // After one, two and three frames each; path tracing may not reach a sample before the third.
+    let lines = read("bench.csv").lines().count();
+    assert!((1 + 5 * 3 + 1..=1 + 6 * 3).contains(&lines), "{lines}");
+    assert_eq!(
+        serde_json::from_str::<Value>(&read("bench.json")).unwrap(),
+        all
+    );
+
+    // A truth of a file; what only one scene can have; what does not fit.
+    let truth = folder.path("truth.exr");
+    succeed(&[
+        "reference",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "12x8",
+        "--spp",
+        "16",
+        "--out",
+        &truth,
+    ]);
+    let text = succeed(
+        &[
+            &few[..],
+            &["--elements", "depth", "--seeds", "1", "--truth", &truth],
+        ]
+        .concat(),
+    );
+    assert!(text.contains("one of 25 pixels, standard error"), "{text}");
+    assert!(text.contains("| without depth | "), "{text}");
+    refused(
+        &["bench", "cornell", "atrium", "--truth", &truth],
+        &["--truth", "truth.exr", "one scene"],
+    );
+    refused(
+        &["bench", "cornell", "--size", "64x64", "--truth", &truth],
+        &["truth.exr", "12x8", "64x64", "--size"],
+    );
+    refused(
+        &["bench", "cornell", "--elements", "gravity"],
+        &["--elements", "`gravity`", "sharing"],
     );
 }
 

@@ -460,10 +460,10 @@ element! {
         sum_squared: f32,
         /// Largest luminance of a finished sample.
         largest: f32,
+        /// Segments traced, of all paths.
+        segments: u32,
         /// Zero.
-        pad0: u32,
-        /// Zero.
-        pad1: u32,
+        pad: u32,
     }
 
     /// Slots of the surfel buffers that are in use, and what happened to them.

@@ -280,8 +280,8 @@ struct ReferencePath {
     done: u32,
     sum_squared: f32,
     largest: f32,
-    pad0: u32,
-    pad1: u32,
+    segments: u32,
+    pad: u32,
 }
 
 struct SurfelCounters {

@@ -83,6 +83,7 @@ fn main(
     }
     path.sample += path.scale * (arriving + met.radiance * (PI * weight));
     path.segment += 1u;
+    path.segments += 1u;
     var ends = true;
     if surface_is_surface(point) {
         let albedo = surface_albedo(point);

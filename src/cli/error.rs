@@ -1,6 +1,7 @@
 //! What a command can fail with.
 use crate::RenderError;
 use crate::backends::UnknownBackend;
+use crate::bench::BenchError;
 use crate::cli::compare::CompareCommandError;
 use crate::gltf_import::ImportError;
 use crate::picture::{PictureError, WriteError};
@@ -32,6 +33,9 @@ pub enum CommandError {
     /// Rendering.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// Measuring the elements of the technique.
+    #[error(transparent)]
+    Bench(#[from] BenchError),
     /// A backend.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -106,7 +110,7 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Compare(error) => error.exit_code(),
-            Self::NonFinite { .. } => 1,
+            Self::NonFinite { .. } | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }
     }

@@ -1,9 +1,9 @@
 //! `gibs guiding`: probes under environment maps, over the cosine lobe and guided.
 use super::CommandError;
-use super::output::{say, warning};
+use super::output::{prepare_folder, say, warning};
 use crate::backends::{self, Choice};
 use crate::guiding::{self, Options, Row};
-use crate::picture::{WriteError, ensure_writable, replace_file};
+use crate::picture::replace_file;
 use crate::view::load_environment;
 use gibs_passes::scene::EnvironmentMap;
 use serde::Serialize;
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let environments = args.environments.iter().map(|name| find(name));
     let environments = environments.collect::<Result<Vec<_>, _>>()?;
     if let Some(folder) = &args.report {
-        prepare(folder)?;
+        prepare_folder(folder, TABLE)?;
     }
     let backend = backends::open(args.backend)?;
     let mut all = Vec::new();
@@ -105,15 +105,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
 
 /// The file in the folder of a report that has all figures.
 const TABLE: &str = "guiding.csv";
-
-/// Makes the folder and sees that files can be written there.
-fn prepare(folder: &Path) -> Result<(), WriteError> {
-    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
-        path: folder.to_owned(),
-        source,
-    })?;
-    ensure_writable(&folder.join(TABLE))
-}
 
 /// All figures, a line for each environment and count of rays; errors are relative, not percentages.
 fn csv(all: &[Measured]) -> String {

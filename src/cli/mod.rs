@@ -1,4 +1,5 @@
 //! The program's commands.
+mod bench;
 pub mod compare;
 mod devices;
 mod error;
@@ -32,6 +33,7 @@ enum Command {
     Graph(Box<graph::Args>),
     Profile(Box<profile::Args>),
     Guiding(Box<guiding::Args>),
+    Bench(Box<bench::Args>),
     Settings(settings::Args),
     Devices(devices::Args),
 }
@@ -57,6 +59,7 @@ pub fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Guiding(args) => guiding::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Settings(args) => settings::run(&args),
         Command::Devices(args) => devices::run(&args),
     };

@@ -1,6 +1,6 @@
 //! What commands print and write: results to standard output, warnings to standard error, pictures to files.
 use super::CommandError;
-use crate::picture::{Format, Picture};
+use crate::picture::{Format, Picture, WriteError, ensure_writable};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -84,4 +84,13 @@ pub(super) fn check_finite(picture: &Picture) -> Result<(), CommandError> {
 pub(super) fn default_out(scene: &str) -> PathBuf {
     let stem = Path::new(scene).file_stem().unwrap_or_default();
     PathBuf::from(stem).with_extension("exr")
+}
+
+/// Makes the folder of a report and sees that a file of this name can be written there.
+pub(super) fn prepare_folder(folder: &Path, file: &str) -> Result<(), WriteError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
+        path: folder.to_owned(),
+        source,
+    })?;
+    ensure_writable(&folder.join(file))
 }

@@ -3,7 +3,7 @@ use super::CommandError;
 use super::output::warning;
 use crate::view::View;
 use crate::{builtin, gltf_import};
-use gibs_passes::frame::Settings;
+use gibs_passes::frame::{ELEMENTS, Settings, TechniqueElement};
 use gibs_passes::scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub struct SceneArgs {
     pub size: Option<[u32; 2]>,
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text
         .split_once('x')
         .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
@@ -102,19 +102,6 @@ pub struct SettingsArgs {
     pub settings: Option<PathBuf>,
 }
 
-/// Elements that `--without` switches off, and what that sets.
-const ELEMENTS: &[(&str, &str, &str)] = &[
-    ("depth", "depth", "off"),
-    ("half-resolution", "half_resolution", "off"),
-    ("guiding", "guiding", "off"),
-    ("steering", "steering", "off"),
-    ("emitters", "emitters", "off"),
-    ("sharing", "sharing", "off"),
-    ("sorting", "sorting", "off"),
-    ("clamp", "clamp", "off"),
-    ("continuation", "continuations", "0"),
-];
-
 impl SettingsArgs {
     /// The settings: defaults, then the file, then `--rays`, `--without` and `--set`.
     pub fn load(&self) -> Result<Settings, CommandError> {
@@ -134,17 +121,8 @@ impl SettingsArgs {
         if let Some(rays) = self.rays {
             settings.set("rays", &rays.to_string())?;
         }
-        for element in &self.without {
-            let Some((_, key, value)) = ELEMENTS.iter().find(|(name, ..)| name == element) else {
-                let names: Vec<_> = ELEMENTS.iter().map(|(name, ..)| *name).collect();
-                let want = format!("the elements are {}", names.join(", "));
-                return Err(CommandError::Value {
-                    option: "--without",
-                    value: element.clone(),
-                    want,
-                });
-            };
-            settings.set(key, value)?;
+        for name in &self.without {
+            settings = element("--without", name)?.switched(&settings, false);
         }
         for pair in &self.set {
             let Some((key, value)) = pair.split_once('=') else {
@@ -159,4 +137,19 @@ impl SettingsArgs {
         }
         Ok(settings)
     }
+}
+
+/// The element of the technique that an option names.
+pub(super) fn element(
+    option: &'static str,
+    name: &str,
+) -> Result<&'static TechniqueElement, CommandError> {
+    TechniqueElement::named(name).ok_or_else(|| {
+        let names: Vec<_> = ELEMENTS.iter().map(|element| element.name).collect();
+        CommandError::Value {
+            option,
+            value: name.into(),
+            want: format!("the elements are {}", names.join(", ")),
+        }
+    })
 }

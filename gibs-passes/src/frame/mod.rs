@@ -1,4 +1,5 @@
 //! The frames: stages wired into graphs.
+mod elements;
 mod inputs;
 mod needs;
 mod probes;
@@ -8,6 +9,7 @@ mod surfels;
 mod trace;
 
 pub use crate::shared::debug::{DebugScale, DebugView, UnknownDebugView};
+pub use elements::{ELEMENTS, TechniqueElement};
 pub use inputs::{
     FrameUpdate, SceneInputs, SceneSizes, pixel_angle, upload, upload_frame, upload_scene,
     upload_scene_where,

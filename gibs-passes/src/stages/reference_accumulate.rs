@@ -79,6 +79,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         };
         path.sample += path.scale * (arriving + met * (PI * weight));
         path.segment += 1;
+        path.segments += 1;
         let mut ends = true;
         if surface::is_surface(point) {
             let albedo = surface::albedo(point);

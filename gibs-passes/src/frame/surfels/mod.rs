@@ -173,7 +173,8 @@ struct Grid {
     overflow: Buffer<u32>,
 }
 
-/// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many), `counters` and `overflow`; with queries also
+/// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many surfels send), `rays_1`, `rays_2` and so on
+/// (how many paths go on beyond a hit for the first, the second time), `counters` and `overflow`; with queries also
 /// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
 /// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on
 /// with.

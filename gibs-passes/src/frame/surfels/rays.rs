@@ -289,6 +289,7 @@ fn continue_segment(
     let next_args = g
         .add::<batch_args::BatchArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
         .batch;
+    g.output(&format!("rays_{next}"), &next_args);
     let next_rays = g.transient(&format!("path_rays_{next}"), batch.most);
     let next_paths = g.transient(&format!("paths_{next}"), batch.most);
     let continued = g.add::<continue_paths::ContinuePaths>(

@@ -1,0 +1,60 @@
+//! What is compared: the settings as they are, and with each element switched.
+use gibs_passes::frame::{ELEMENTS, Settings, TechniqueElement};
+
+/// Settings to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// A short name.
+    pub name: String,
+    /// What is different, in words.
+    pub about: String,
+    /// The settings.
+    pub settings: Settings,
+}
+
+/// The settings as they are; with each of `elements` off, or on where it is off; and with a quarter and four times the rays.
+pub fn configurations(
+    settings: &Settings,
+    elements: &[&'static TechniqueElement],
+) -> Vec<Configuration> {
+    let own = match *settings == Settings::default() {
+        true => ("defaults", "the default settings"),
+        false => ("as set", "the settings given"),
+    };
+    let mut all = vec![Configuration {
+        name: own.0.into(),
+        about: own.1.into(),
+        settings: settings.clone(),
+    }];
+    all.extend(elements.iter().map(|element| {
+        let on = element.is_on(settings);
+        let word = if on { "without" } else { "with" };
+        Configuration {
+            name: format!("{word} {}", element.name),
+            about: format!("{word} {}", element.about),
+            settings: element.switched(settings, !on),
+        }
+    }));
+    let most = Settings::all().into_iter().find(|info| info.name == "rays");
+    let most = most.map_or(u32::MAX, |info| info.most as u32);
+    let budgets = [
+        ("1/4 of the rays", settings.rays / 4),
+        ("4 x the rays", settings.rays.saturating_mul(4).min(most)),
+    ];
+    all.extend(budgets.map(|(name, rays)| Configuration {
+        name: name.into(),
+        about: format!("{rays} rays a frame at most"),
+        settings: Settings {
+            rays,
+            ..settings.clone()
+        },
+    }));
+    all
+}
+
+impl Configuration {
+    /// All elements of the technique, for [`configurations`].
+    pub fn elements() -> Vec<&'static TechniqueElement> {
+        ELEMENTS.iter().collect()
+    }
+}

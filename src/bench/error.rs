@@ -1,0 +1,55 @@
+//! What measuring can fail with.
+use crate::RenderError;
+use crate::compare::CompareError;
+use crate::picture::PictureError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why the elements could not be measured.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BenchError {
+    /// A frame, or the truth.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The truth could not be read.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A picture could not be compared with the truth.
+    #[error("{configuration} after {frames} frames against the truth: {source}")]
+    Compare {
+        /// Configuration.
+        configuration: String,
+        /// Frames.
+        frames: u32,
+        /// Why not.
+        source: CompareError,
+    },
+    /// A picture is broken.
+    #[error(
+        "{configuration} after {frames} frames: {count} pixels of E are NaN or infinite; please report this with the \
+         command line"
+    )]
+    NotFinite {
+        /// Configuration.
+        configuration: String,
+        /// Frames.
+        frames: u32,
+        /// Pixels.
+        count: usize,
+    },
+    /// The truth does not have a pixel for so many of the picture's.
+    #[error(
+        "the truth {} has {}x{} pixels, the picture {}x{}: the picture's sides must be the truth's times one whole number; \
+         choose another --size",
+        path.display(), truth[0], truth[1], size[0], size[1]
+    )]
+    TruthSize {
+        /// The truth.
+        path: PathBuf,
+        /// Its width and height.
+        truth: [u32; 2],
+        /// Width and height of the picture.
+        size: [u32; 2],
+    },
+}

@@ -1,0 +1,129 @@
+//! Frames of all configurations in turn, their errors, times and rays.
+use super::{BenchError, Configuration, Truth};
+use crate::compare::Metrics;
+use crate::view::View;
+use crate::{RenderError, Renderer};
+use gibs_graph::{Backend, DispatchArgs};
+use gibs_passes::scene::Scene;
+use std::time::Instant;
+
+/// What is rendered.
+pub(super) struct Job<'a> {
+    pub backend: &'a dyn Backend,
+    pub scene: &'a Scene,
+    pub view: &'a View,
+    pub truth: &'a Truth,
+    pub size: [u32; 2],
+    pub checkpoints: &'a [(u32, bool)],
+    pub seed: u32,
+}
+
+/// The frames of one configuration with one seed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Run {
+    /// Seconds of each frame.
+    seconds: Vec<f64>,
+    /// Rays of each frame.
+    rays: Vec<u64>,
+    /// Errors after so many frames.
+    errors: Vec<(u32, Metrics)>,
+}
+
+impl Run {
+    /// Rays of the first frames together.
+    pub fn rays(&self, frames: u32) -> f64 {
+        let first = self.rays.iter().take(frames as usize);
+        first.sum::<u64>() as f64
+    }
+
+    /// Seconds that the first frames took together.
+    pub fn seconds(&self, frames: u32) -> f64 {
+        self.seconds.iter().take(frames as usize).sum()
+    }
+
+    /// Seconds of each of the first frames, but for the very first one, which also uploads the scene and touches memory
+    /// for the first time.
+    pub fn times(&self, frames: u32) -> impl Iterator<Item = f64> {
+        let skipped = usize::from(frames > 1);
+        self.seconds
+            .iter()
+            .copied()
+            .take(frames as usize)
+            .skip(skipped)
+    }
+
+    /// Times over those of another run, frame by frame.
+    pub fn ratios(&self, other: &Self, frames: u32) -> impl Iterator<Item = f64> {
+        let pairs = self.times(frames).zip(other.times(frames));
+        pairs.map(|(own, other)| own / other)
+    }
+
+    /// Errors after so many frames.
+    pub fn errors(&self, frames: u32) -> Option<Metrics> {
+        let found = self.errors.iter().find(|(after, _)| *after == frames);
+        found.map(|(_, metrics)| *metrics)
+    }
+}
+
+/// Renders all configurations with one seed.
+pub(super) fn run(
+    job: &Job<'_>,
+    configurations: &[Configuration],
+    progress: &mut impl FnMut(),
+) -> Result<Vec<Run>, BenchError> {
+    let mut renderers = configurations
+        .iter()
+        .map(|c| {
+            Renderer::new(
+                job.backend,
+                job.scene,
+                job.view,
+                job.size,
+                &c.settings,
+                job.seed,
+            )
+        })
+        .collect::<Result<Vec<_>, RenderError>>()?;
+    let count = renderers.len();
+    let mut runs = vec![Run::default(); count];
+    let last = job.checkpoints.last().map_or(0, |(frames, _)| *frames);
+    for frame in 1..=last {
+        // Every other frame backwards, so that nobody always finds caches as the same other one left them.
+        for turn in 0..count {
+            let i = match frame % 2 {
+                0 => count - 1 - turn,
+                _ => turn,
+            };
+            let start = Instant::now();
+            renderers[i].frame()?;
+            renderers[i].wait()?;
+            runs[i].seconds.push(start.elapsed().as_secs_f64());
+            runs[i].rays.push(rays(&mut renderers[i])?);
+            if job.checkpoints.iter().any(|(after, _)| *after == frame) {
+                let picture = renderers[i].picture()?;
+                let name = &configurations[i].name;
+                let errors = job.truth.errors(&picture, name, frame)?;
+                runs[i].errors.push((frame, errors));
+            }
+            progress();
+        }
+    }
+    Ok(runs)
+}
+
+/// Rays of the last frame: of surfels, and of paths that went on beyond hits.
+fn rays(renderer: &mut Renderer) -> Result<u64, RenderError> {
+    let outputs = &renderer.gi().schedule().outputs;
+    let is_batch = |name: &str| name == "rays" || name.starts_with("rays_");
+    let names: Vec<String> = outputs
+        .iter()
+        .map(|output| output.name.clone())
+        .filter(|name| is_batch(name))
+        .collect();
+    let mut sum = 0;
+    for name in names {
+        let batch: Vec<DispatchArgs> = renderer.output(&name)?;
+        sum += batch.iter().map(|args| u64::from(args.count)).sum::<u64>();
+    }
+    Ok(sum)
+}

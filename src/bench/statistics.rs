@@ -1,0 +1,56 @@
+//! Means over seeds, and the spread of times.
+use serde::Serialize;
+
+/// A mean over seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// Mean.
+    pub mean: f64,
+    /// Its standard error; none for a single value.
+    pub standard_error: Option<f64>,
+}
+
+impl Mean {
+    /// Of values; NaN where there are none.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        Self {
+            mean,
+            standard_error: (values.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt()),
+        }
+    }
+}
+
+/// How values are spread: percentiles, linear between values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// The 10th percentile.
+    pub low: f64,
+    /// The 50th.
+    pub median: f64,
+    /// The 90th.
+    pub high: f64,
+}
+
+impl Spread {
+    /// Of values; NaN where there are none.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().saturating_sub(1) as f64;
+        let value = |rank: f64| sorted.get(rank as usize).copied().unwrap_or(f64::NAN);
+        let at = |share: f64| {
+            let rank = last * share;
+            let (below, above) = (value(rank.floor()), value(rank.ceil()));
+            below + (above - below) * rank.fract()
+        };
+        Self {
+            low: at(0.1),
+            median: at(0.5),
+            high: at(0.9),
+        }
+    }
+}
