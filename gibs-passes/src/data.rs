@@ -323,16 +323,20 @@ element! {
     pub struct SurfelIrradiance {
         /// Long mean.
         mean: Vec3,
-        /// Rays integrated so far; falls back by half at `estimator::MOST_SAMPLES`.
+        /// Rays that the long mean counts, at most `estimator::MOST_SAMPLES`.
         samples: u32,
         /// Short-term mean.
         short_mean: Vec3,
-        /// Blend reduction by variance.
-        reduction: f32,
-        /// Short-term variance.
-        variance: Vec3,
-        /// How far the short mean has strayed from the long one.
-        inconsistency: f32,
+        /// Frame in which it began, or began anew.
+        since: u32,
+        /// Variance of the luminance that one ray brings, W^2/m^4.
+        variance: f32,
+        /// Variance of the short-term mean's luminance, W^2/m^4.
+        short_noise: f32,
+        /// Rays drawn so far, which number the sequence of directions; falls back by half at `estimator::MOST_SAMPLES`.
+        drawn: u32,
+        /// Zero.
+        pad: u32,
     }
 
     /// What a surfel says to those who look it up: its irradiance, improved by its neighbours' while it is uncertain.
@@ -358,6 +362,30 @@ element! {
         pad0: u32,
         /// Zero.
         pad1: u32,
+    }
+
+    /// How far the short means of surfels have left their long ones, as luminances.
+    pub struct Drift {
+        /// Sum of short means less long ones, W/m^2.
+        sum: f32,
+        /// Variance of that by chance, W^2/m^4.
+        noise: f32,
+        /// Sum of the larger of the two, W/m^2.
+        level: f32,
+        /// Zero.
+        pad: u32,
+    }
+
+    /// What the firefly clamp took from a frame's rays.
+    pub struct ClampedLight {
+        /// Luminance of irradiance times rays that it took, W/m^2.
+        taken: f32,
+        /// Luminance of irradiance times rays that they brought, W/m^2.
+        brought: f32,
+        /// Surfels that it took some from.
+        samples: u32,
+        /// Zero.
+        pad: u32,
     }
 
     /// A surfel's depth function: 4x4 texels of the hemisphere, first and second moment of distance over the

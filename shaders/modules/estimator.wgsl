@@ -1,6 +1,6 @@
 // The multiscale mean estimator (GIBS, "Integrator"; Barre-Brisebois et al. 2019, Ray Tracing Gems, chapter 25): a long
-// mean whose blend factor is steered by a short-term mean and variance.
-import package::types::SurfelIrradiance;
+// mean, and a short-term mean and variance that tell when it is out of date, judged over the surfels of a cell.
+import package::types::{ClampedLight, Drift, SurfelIrradiance};
 
 /// Blend of the short-term mean for a sample of full confidence.
 const ESTIMATOR_SHORT_BLEND: f32 = 0.08;
@@ -14,64 +14,160 @@ const ESTIMATOR_CLAMP_AFTER: u32 = 64u;
 const ESTIMATOR_PLAIN_MEAN: u32 = 64u;
 /// Weight of a ray after that, over its share in a plain mean.
 const ESTIMATOR_RECENCY: f32 = 2.0;
-/// Here the ray count falls back to its upper half, which bounds the memory of the long mean.
+/// Rays from which on the bias of the first frames is forgotten.
+const ESTIMATOR_SETTLED: u32 = 1024u;
+/// Weight of a ray then.
+const ESTIMATOR_SETTLED_RECENCY: f32 = 1.25;
+/// Weight of a ray in a mean that began anew.
+const ESTIMATOR_ANEW_RECENCY: f32 = 4.0;
+/// Frames for which it counts as one that began anew.
+const ESTIMATOR_ANEW: u32 = 32u;
+/// The long mean remembers no more rays than this.
 const ESTIMATOR_MOST_SAMPLES: u32 = 131072u;
+/// Surfels of a cell whose drift is summed.
+const ESTIMATOR_DRIFT_OF: u32 = 32u;
+/// Drift of a cell, in its standard deviations, from which on surfels forget.
+const ESTIMATOR_DRIFT_LEAST: f32 = 3.0;
+/// Drift of a cell, in its standard deviations, at which surfels begin anew.
+const ESTIMATOR_DRIFT_MOST: f32 = 5.0;
+/// Drift of a cell, in its standard deviations, that keeps it from following all others.
+const ESTIMATOR_DRIFT_AGAINST: f32 = -0.5;
+/// Drift of a cell, in its standard deviations, from which on it follows all others.
+const ESTIMATOR_DRIFT_FOR: f32 = 1.0;
+/// Drift that is taken for noise, over the level.
+const ESTIMATOR_DRIFT_FLOOR: f32 = 0.02;
 
 /// Rec. 709 luminance.
 fn estimator_luminance(c: vec3<f32>) -> f32 {
     return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
 }
 
-fn estimator_smoothstep(x: f32) -> f32 {
-    let t = clamp(x, 0.0, 1.0);
+/// With one more surfel; one without rays adds nothing.
+fn estimator_with_drift(drift: Drift, state: SurfelIrradiance) -> Drift {
+    let short_level = estimator_luminance(state.short_mean);
+    let long_level = estimator_luminance(state.mean);
+    let own = Drift(short_level - long_level, state.short_noise, max(short_level, long_level), 0u);
+    return estimator_plus_drift(drift, own);
+}
+
+/// Of the surfels of both.
+fn estimator_plus_drift(a: Drift, b: Drift) -> Drift {
+    return Drift(a.sum + b.sum, a.noise + b.noise, a.level + b.level, 0u);
+}
+
+/// In standard deviations of chance; negative where light has gone.
+fn estimator_relative_drift(drift: Drift) -> f32 {
+    let floor_level = ESTIMATOR_DRIFT_FLOOR * drift.level;
+    let deviation = sqrt(drift.noise + floor_level * floor_level);
+    if deviation > 0.0 {
+        return drift.sum / deviation;
+    }
+    return 0.0;
+}
+
+fn estimator_significance(drift: f32) -> f32 {
+    let t = clamp((drift - ESTIMATOR_DRIFT_LEAST) / (ESTIMATOR_DRIFT_MOST - ESTIMATOR_DRIFT_LEAST), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
+/// Share of what they know that the surfels of a cell should forget, from its drift and that of all surfels, relative to
+/// chance.
+fn estimator_to_forget(cell: f32, everywhere: f32) -> f32 {
+    let sign_of_all = select(1.0, -1.0, everywhere < 0.0);
+    let agreement = clamp(
+        (sign_of_all * cell - ESTIMATOR_DRIFT_AGAINST) / (ESTIMATOR_DRIFT_FOR - ESTIMATOR_DRIFT_AGAINST), 0.0, 1.0
+    );
+    return max(estimator_significance(abs(cell)), estimator_significance(abs(everywhere)) * agreement);
+}
+
+/// What is left of the state when a share of it is forgotten.
+fn estimator_forget(state: SurfelIrradiance, share: f32, frame: u32) -> SurfelIrradiance {
+    if share <= 0.0 {
+        return state;
+    }
+    let keep = 1.0 - share;
+    var kept = state;
+    kept.samples = u32(f32(state.samples) * keep);
+    kept.since = frame - u32(f32(frame - state.since) * keep);
+    return kept;
+}
+
+/// The sample of `rays` rays that the clamp leaves.
+fn estimator_clamped(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32) -> vec3<f32> {
+    let deviation = sqrt(max(state.variance / f32(rays), 0.0));
+    let limit = estimator_luminance(state.short_mean) + ESTIMATOR_FIREFLY_SIGMAS * deviation;
+    let level = estimator_luminance(mean_of_rays);
+    if state.samples <= ESTIMATOR_CLAMP_AFTER || level <= limit {
+        return mean_of_rays;
+    }
+    return mean_of_rays * (limit / level);
+}
+
+/// What the clamp takes from a sample.
+fn estimator_taken(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32) -> ClampedLight {
+    let before = estimator_luminance(mean_of_rays);
+    let after = estimator_luminance(estimator_clamped(state, mean_of_rays, rays));
+    return ClampedLight(f32(rays) * (before - after), f32(rays) * before, select(0u, 1u, after < before), 0u);
+}
+
+/// Weight of a ray in the long mean, over its share in a plain one.
+fn estimator_recency(state: SurfelIrradiance, frame: u32) -> f32 {
+    if state.drawn > state.samples && frame - state.since < ESTIMATOR_ANEW {
+        return ESTIMATOR_ANEW_RECENCY;
+    }
+    if state.samples < ESTIMATOR_PLAIN_MEAN {
+        return 1.0;
+    }
+    return select(ESTIMATOR_SETTLED_RECENCY, ESTIMATOR_RECENCY, state.samples < ESTIMATOR_SETTLED);
+}
+
 /// Takes in the mean of `rays` new rays, W/m^2. With `cut`, fireflies are clamped.
-fn estimator_update(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32, cut: bool) -> SurfelIrradiance {
+fn estimator_update(
+    state: SurfelIrradiance,
+    mean_of_rays: vec3<f32>,
+    rays: u32,
+    frame: u32,
+    cut: bool,
+) -> SurfelIrradiance {
     let n = f32(rays);
+    var drawn = state.drawn + rays;
+    if drawn >= ESTIMATOR_MOST_SAMPLES {
+        drawn = ESTIMATOR_MOST_SAMPLES / 2u + drawn % (ESTIMATOR_MOST_SAMPLES / 2u);
+    }
+    let level = estimator_luminance(mean_of_rays);
     if state.samples == 0u {
-        return SurfelIrradiance(mean_of_rays, rays, mean_of_rays, 1.0, mean_of_rays * mean_of_rays, 0.0);
+        return SurfelIrradiance(
+            mean_of_rays, rays, mean_of_rays, frame, n * (level * level), level * level, drawn, 0u
+        );
     }
     let confidence = min(n / ESTIMATOR_FULL_CONFIDENCE, 1.0);
     var y = mean_of_rays;
-    if cut && state.samples > ESTIMATOR_CLAMP_AFTER {
-        y = min(y, state.short_mean + sqrt(state.variance) * ESTIMATOR_FIREFLY_SIGMAS);
+    if cut {
+        y = estimator_clamped(state, mean_of_rays, rays);
     }
-    // Short term. While few rays are in, it is a plain mean too.
-    let plain = n / (f32(state.samples) + n);
-    let blend = max(ESTIMATOR_SHORT_BLEND * confidence, plain);
-    let delta = mean_of_rays - state.short_mean;
-    let short_mean = state.short_mean + (y - state.short_mean) * blend;
-    // Of the sample as it came: a variance of clamped samples would shrink the limit further, and so lose energy.
-    let spread = delta * delta * (1.0 - blend);
-    // The variance follows more slowly than the mean, so that it does not shrink with the mean's own jumps.
-    let variance = state.variance + (spread - state.variance) * (blend * 0.5);
-    // How far the short mean has strayed, in standard deviations of the short mean itself.
-    let sigma = sqrt(max(estimator_luminance(variance), 0.0));
-    let stray = estimator_luminance(abs(state.mean - short_mean));
-    let deviation = max(sigma, 1e-4 * estimator_luminance(short_mean));
-    var relative = 0.0;
-    var steady = 1.0;
-    if deviation > 0.0 {
-        relative = stray / deviation;
-        // Of the brighter mean: a light that goes out must not look like noise around black.
-        let level = max(estimator_luminance(short_mean), estimator_luminance(state.mean));
-        steady = clamp(0.5 * level / deviation, 1.0 / 32.0, 1.0);
-    }
-    let inconsistency = state.inconsistency + (relative - state.inconsistency) * 0.08;
-    let catch_up =
-        estimator_smoothstep(relative * max(inconsistency - 0.2, 0.02)) * state.reduction * confidence;
-    let reduction = state.reduction + (steady - state.reduction) * 0.1;
     // Long term.
-    var share = plain;
-    if state.samples >= ESTIMATOR_PLAIN_MEAN {
-        share = min(ESTIMATOR_RECENCY * plain, 1.0);
-    }
-    let mean = state.mean + (y - state.mean) * max(share, catch_up);
-    var samples = state.samples + rays;
-    if samples >= ESTIMATOR_MOST_SAMPLES {
-        samples = ESTIMATOR_MOST_SAMPLES / 2u + samples % (ESTIMATOR_MOST_SAMPLES / 2u);
-    }
-    return SurfelIrradiance(mean, samples, short_mean, reduction, variance, inconsistency);
+    let weight = n * estimator_recency(state, frame);
+    let share = weight / (f32(state.samples) + weight);
+    // Short term. While few rays are in, the two are the same.
+    let blend = max(ESTIMATOR_SHORT_BLEND * confidence, share);
+    let delta = level - estimator_luminance(state.short_mean);
+    let short_mean = state.short_mean + (y - state.short_mean) * blend;
+    // Of one ray, and of the sample as it came: a variance of clamped samples would shrink the limit further, and so lose
+    // energy.
+    let spread = n * (delta * delta * (1.0 - blend));
+    // The variance follows more slowly than the mean, so that it does not shrink with the mean's own jumps.
+    let variance = state.variance + (spread - state.variance) * (0.5 * blend);
+    // Variance of the short mean: what a sample adds, and what is left of those before.
+    let kept = (1.0 - blend) * (1.0 - blend);
+    let short_noise = kept * state.short_noise + blend * blend * (variance / n);
+    return SurfelIrradiance(
+        state.mean + (y - state.mean) * share,
+        min(state.samples + rays, ESTIMATOR_MOST_SAMPLES),
+        short_mean,
+        state.since,
+        variance,
+        short_noise,
+        drawn,
+        0u,
+    );
 }

@@ -13,15 +13,15 @@ const REQUESTS_ERROR: f32 = 0.4;
 /// Frames unseen from which on a surfel asks for a quarter.
 const REQUESTS_UNSEEN: u32 = 4u;
 
-/// Units that a surfel asks for; `age` in frames since its birth. With `steered`, its variance decides.
-fn requests_request(state: SurfelIrradiance, age: u32, unseen: u32, steered: bool) -> u32 {
+/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, its variance decides.
+fn requests_request(state: SurfelIrradiance, unseen: u32, steered: bool) -> u32 {
     let fresh = state.samples < REQUESTS_FRESH;
     if !steered {
         return select(1u, REQUESTS_UNSTEERED_FRESH, fresh);
     }
     var units = REQUESTS_MOST;
     if !fresh {
-        let error = sqrt(max(estimator_luminance(state.variance) / f32(max(age, 1u)), 0.0));
+        let error = sqrt(state.variance / f32(state.samples));
         let level = max(estimator_luminance(state.mean), estimator_luminance(state.short_mean));
         var relative = 0.0;
         if level > 0.0 {

@@ -16,15 +16,15 @@ const SHARING_CERTAIN: f32 = 0.015;
 const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 
 /// Variance of the luminance of a surfel's long mean, W^2/m^4.
-fn sharing_mean_variance(state: SurfelIrradiance, age: u32) -> f32 {
-    return max(estimator_luminance(state.variance), 0.0) / f32(max(age, 1u));
+fn sharing_mean_variance(state: SurfelIrradiance) -> f32 {
+    return state.variance / f32(max(state.samples, 1u));
 }
 
 /// Whether a surfel is uncertain enough to ask its neighbours.
-fn sharing_asks(state: SurfelIrradiance, age: u32) -> bool {
+fn sharing_asks(state: SurfelIrradiance) -> bool {
     let level = estimator_luminance(state.mean);
     return state.samples < SHARING_UNCERTAIN_BEFORE
-        || sharing_mean_variance(state, age) > SHARING_CERTAIN * SHARING_CERTAIN * level * level;
+        || sharing_mean_variance(state) > SHARING_CERTAIN * SHARING_CERTAIN * level * level;
 }
 
 /// What a surfel says, from its own irradiance and what its neighbours say.

@@ -206,9 +206,11 @@ struct SurfelIrradiance {
     mean: vec3<f32>,
     samples: u32,
     short_mean: vec3<f32>,
-    reduction: f32,
-    variance: vec3<f32>,
-    inconsistency: f32,
+    since: u32,
+    variance: f32,
+    short_noise: f32,
+    drawn: u32,
+    pad: u32,
 }
 
 struct SurfelLight {
@@ -223,6 +225,20 @@ struct Neighbours {
     spread: f32,
     pad0: u32,
     pad1: u32,
+}
+
+struct Drift {
+    sum: f32,
+    noise: f32,
+    level: f32,
+    pad: u32,
+}
+
+struct ClampedLight {
+    taken: f32,
+    brought: f32,
+    samples: u32,
+    pad: u32,
 }
 
 struct SurfelDepth {

@@ -2,7 +2,7 @@
 import package::debug::{
     DEBUG_VIEW_LIFE, DEBUG_VIEW_RADIUS, DEBUG_VIEW_RAY_COUNT, DEBUG_VIEW_SURFELS, DEBUG_VIEW_UNSEEN, DEBUG_VIEW_VARIANCE
 };
-import package::estimator::estimator_luminance;
+import package::estimator::{ESTIMATOR_FULL_CONFIDENCE, estimator_luminance};
 import package::invocation::invocation_index;
 import package::types::{Camera, Frame, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 import package::vector::vector_length;
@@ -39,7 +39,7 @@ fn has_light(i: u32) -> bool {
     return true;
 }
 
-/// Short-term standard deviation over the mean.
+/// Standard deviation of what so many rays bring that the estimator is fully confident, over the mean.
 @if(irradiance)
 fn deviation(i: u32) -> f32 {
     let state = irradiance[i];
@@ -47,7 +47,7 @@ fn deviation(i: u32) -> f32 {
     if level <= 0.0 {
         return 0.0;
     }
-    return sqrt(max(estimator_luminance(state.variance), 0.0)) / level;
+    return sqrt(state.variance / ESTIMATOR_FULL_CONFIDENCE) / level;
 }
 @else
 fn deviation(i: u32) -> f32 {

@@ -111,7 +111,7 @@ fn main(
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
     let guide = find_guide(i, pose.identity);
     for (var ray = first; ray < last; ray++) {
-        let index = irradiance[i].samples + (ray - first);
+        let index = irradiance[i].drawn + (ray - first);
         let seed = hash_hash3(surfel, frame.number, ray - first);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);

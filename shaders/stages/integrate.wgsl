@@ -1,20 +1,23 @@
 // Rays into the irradiance of the surfels that they began on, and what the surfels say.
-import package::estimator::estimator_update;
+import package::estimator::{estimator_forget, estimator_taken, estimator_update};
+import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::sharing::sharing_light;
 import package::types::{
-    Frame, Neighbours, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
+    ClampedLight, Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> settings: SurfelSettings;
-@group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(1) var<uniform> grid: GridShape;
+@group(0) @binding(2) var<uniform> settings: SurfelSettings;
+@group(0) @binding(3) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(4) var<storage, read> offsets: array<u32>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
 @if(neighbours) @group(0) @binding(6) var<storage, read> neighbours: array<Neighbours>;
-@group(0) @binding(7) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(8) var<storage, read_write> light: array<SurfelLight>;
+@group(0) @binding(7) var<storage, read> forget: array<f32>;
+@group(0) @binding(8) var<storage, read_write> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(9) var<storage, read_write> light: array<SurfelLight>;
+@if(clamped) @group(0) @binding(10) var<storage, read_write> clamped: array<ClampedLight>;
 
 const PI: f32 = 3.1415927;
 
@@ -27,6 +30,14 @@ fn said_around(surfel: u32) -> Neighbours {
     return Neighbours();
 }
 
+@if(clamped)
+fn report_clamped(surfel: u32, light: ClampedLight) {
+    clamped[surfel] = light;
+}
+@else
+fn report_clamped(surfel: u32, light: ClampedLight) {
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -34,7 +45,13 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= arrayLength(&poses) || poses[i].radius <= 0.0 {
+    if i >= arrayLength(&poses) {
+        return;
+    }
+    let pose = poses[i];
+    var taken = ClampedLight();
+    if pose.radius <= 0.0 {
+        report_clamped(i, taken);
         return;
     }
     let first = offsets[i];
@@ -46,8 +63,12 @@ fn main(
             sum += radiance[ray].xyz;
         }
         let count = last - first;
-        state = estimator_update(state, sum * (PI / f32(count)), count, settings.clamp != 0u);
+        let mean_of_rays = sum * (PI / f32(count));
+        state = estimator_forget(state, forget[grid_cell(pose.position, grid)], frame.number);
+        taken = estimator_taken(state, mean_of_rays, count);
+        state = estimator_update(state, mean_of_rays, count, frame.number, settings.clamp != 0u);
         irradiance[i] = state;
     }
-    light[i] = sharing_light(state, frame.number - births[i].frame, said_around(i));
+    report_clamped(i, taken);
+    light[i] = sharing_light(state, frame.number - state.since, said_around(i));
 }

@@ -1,15 +1,13 @@
 // How many rays each surfel would like.
 import package::invocation::invocation_index;
 import package::requests::requests_request;
-import package::types::{Frame, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+import package::types::{SurfelIrradiance, SurfelPose, SurfelSettings};
 
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> settings: SurfelSettings;
-@group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
-@group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(5) var<storage, read> unseen: array<u32>;
-@group(0) @binding(6) var<storage, read_write> requests: array<u32>;
+@group(0) @binding(0) var<uniform> settings: SurfelSettings;
+@group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(2) var<storage, read> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(3) var<storage, read> unseen: array<u32>;
+@group(0) @binding(4) var<storage, read_write> requests: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -25,6 +23,5 @@ fn main(
         requests[i] = 0u;
         return;
     }
-    let age = frame.number - births[i].frame;
-    requests[i] = requests_request(irradiance[i], age, unseen[i], settings.steered != 0u);
+    requests[i] = requests_request(irradiance[i], unseen[i], settings.steered != 0u);
 }

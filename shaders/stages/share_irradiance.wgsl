@@ -6,7 +6,7 @@ import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{SHARING_MOST_RAYS, SHARING_REACH, sharing_asks, sharing_mean_variance};
 import package::types::{
-    Frame, GridShape, Neighbours, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
+    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -15,10 +15,9 @@ import package::types::{
 @group(0) @binding(3) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> entries: array<u32>;
 @group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(6) var<storage, read> births: array<SurfelBirth>;
-@group(0) @binding(7) var<storage, read> irradiance: array<SurfelIrradiance>;
-@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
-@group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
+@group(0) @binding(6) var<storage, read> irradiance: array<SurfelIrradiance>;
+@if(depths) @group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
+@group(0) @binding(8) var<storage, read_write> neighbours: array<Neighbours>;
 
 @if(depths)
 fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -57,9 +56,9 @@ fn ask(own: u32) -> Neighbours {
             continue;
         }
         weight *= visible_share(id, pose, d);
-        let age = frame.number - births[id].frame;
-        let variance = sharing_mean_variance(state, age);
-        ray_variance += weight * (variance * f32(state.samples));
+        let age = frame.number - state.since;
+        let variance = sharing_mean_variance(state);
+        ray_variance += weight * state.variance;
         ray_sum += weight;
         if id == own {
             continue;
@@ -103,7 +102,7 @@ fn main(
         return;
     }
     var said = Neighbours();
-    if poses[i].radius > 0.0 && sharing_asks(irradiance[i], frame.number - births[i].frame) {
+    if poses[i].radius > 0.0 && sharing_asks(irradiance[i]) {
         said = ask(i);
     }
     neighbours[i] = said;

@@ -62,7 +62,7 @@ fn main(
     }
     let first = offsets[i];
     let pose = poses[i];
-    let before = irradiance[i].samples;
+    let before = irradiance[i].drawn;
     for (var ray = first; ray < offsets[i + 1u]; ray++) {
         update_depth(i, ray, pose, before + (ray - first));
     }

@@ -116,19 +116,23 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
         )
         .guides
     });
+    // Nothing changes here.
+    let forget = g.zeroed("forget", u64::from(LAYOUT.cells()));
     let light = g.transient("light", probes);
     let integrated = g.add::<integrate::Integrate>(
         "probes/integrate",
         integrate::Inputs {
             frame: &device_frame,
+            grid: &shape,
             settings: &settings,
             poses: &poses,
-            births: &births,
             offsets: &offsets,
             radiance: &shaded.radiance,
             neighbours: None,
+            forget: &forget,
             irradiance,
             light,
+            clamped: None,
         },
         Dispatch::Elements(probes),
     );

@@ -17,10 +17,9 @@ pub const ERROR: f32 = 0.4;
 /// Frames unseen from which on a surfel asks for a quarter.
 pub const UNSEEN: u32 = 4;
 
-/// Units that a surfel asks for. `age` is in frames since its birth. With `steered`, its variance decides: the variance of
-/// a frame's mean, over its age, is about that of the long mean.
+/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, its variance decides.
 #[inline]
-pub fn request(state: &SurfelIrradiance, age: u32, unseen: u32, steered: bool) -> u32 {
+pub fn request(state: &SurfelIrradiance, unseen: u32, steered: bool) -> u32 {
     let fresh = state.samples < FRESH;
     if !steered {
         return if fresh { UNSTEERED_FRESH } else { 1 };
@@ -28,9 +27,7 @@ pub fn request(state: &SurfelIrradiance, age: u32, unseen: u32, steered: bool) -
     let units = if fresh {
         MOST
     } else {
-        let error = (luminance(state.variance) / age.max(1) as f32)
-            .max(0.0)
-            .sqrt();
+        let error = (state.variance / state.samples as f32).sqrt();
         let level = luminance(state.mean).max(luminance(state.short_mean));
         let relative = if level > 0.0 { error / level } else { 0.0 };
         (relative * (MOST as f32 / ERROR)).clamp(1.0, MOST as f32) as u32
@@ -51,7 +48,7 @@ mod tests {
         SurfelIrradiance {
             mean: Vec3::splat(mean),
             short_mean: Vec3::splat(mean),
-            variance: Vec3::splat(deviation * deviation),
+            variance: deviation * deviation,
             samples,
             ..SurfelIrradiance::default()
         }
@@ -59,14 +56,13 @@ mod tests {
 
     #[test]
     fn new_and_uncertain_surfels_ask_for_more() {
-        let ask =
-            |mean, deviation, samples, age| request(&state(mean, deviation, samples), age, 0, true);
-        assert_eq!(ask(1.0, 0.5, 10, 1), MOST);
+        let ask = |mean, deviation, samples| request(&state(mean, deviation, samples), 0, true);
+        assert_eq!(ask(1.0, 0.5, 10), MOST);
         // A relative error of 0.4, of 0.2, of next to none.
-        assert_eq!(ask(1.0, 4.0, 1000, 100), MOST);
-        assert_eq!(ask(2.0, 4.0, 1000, 100), MOST / 2);
-        assert_eq!(ask(1.0, 1.0, 1000, 1_000_000), 1);
-        assert_eq!(ask(0.0, 0.0, 1000, 100), 1);
+        assert_eq!(ask(1.0, 4.0, 100), MOST);
+        assert_eq!(ask(1.0, 4.0, 400), MOST / 2);
+        assert_eq!(ask(1.0, 1.0, 100_000), 1);
+        assert_eq!(ask(0.0, 0.0, 1000), 1);
     }
 
     /// Scaling all lights by a power of two changes nothing, and what nobody sees asks for a quarter.
@@ -74,8 +70,8 @@ mod tests {
     fn only_what_is_relative_and_seen_counts() {
         let one = state(0.3, 0.7, 500);
         let many = state(0.3 * 1024.0, 0.7 * 1024.0, 500);
-        assert_eq!(request(&one, 50, 0, true), request(&many, 50, 0, true));
-        assert_eq!(request(&one, 50, 100, true), request(&one, 50, 0, true) / 4);
-        assert_eq!(request(&one, 50, 100, false), 1);
+        assert_eq!(request(&one, 0, true), request(&many, 0, true));
+        assert_eq!(request(&one, 100, true), request(&one, 0, true) / 4);
+        assert_eq!(request(&one, 100, false), 1);
     }
 }

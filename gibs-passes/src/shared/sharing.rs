@@ -26,18 +26,17 @@ pub const CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed: what is rare may not have come yet.
 pub const UNCERTAIN_BEFORE: u32 = 256;
 
-/// Variance of the luminance of a surfel's long mean, from that of a frame's sample and its age in frames, W^2/m^4.
+/// Variance of the luminance of a surfel's long mean, W^2/m^4.
 #[inline]
-pub fn mean_variance(state: &SurfelIrradiance, age: u32) -> f32 {
-    luminance(state.variance).max(0.0) / age.max(1) as f32
+pub fn mean_variance(state: &SurfelIrradiance) -> f32 {
+    state.variance / state.samples.max(1) as f32
 }
 
 /// Whether a surfel is uncertain enough to ask its neighbours.
 #[inline]
-pub fn asks(state: &SurfelIrradiance, age: u32) -> bool {
+pub fn asks(state: &SurfelIrradiance) -> bool {
     let level = luminance(state.mean);
-    state.samples < UNCERTAIN_BEFORE
-        || mean_variance(state, age) > CERTAIN * CERTAIN * level * level
+    state.samples < UNCERTAIN_BEFORE || mean_variance(state) > CERTAIN * CERTAIN * level * level
 }
 
 /// Sums over the neighbours of a surfel, itself among them.
@@ -57,8 +56,8 @@ impl Asked {
     /// Takes in a surfel that has integrated rays, with its weight and its age in frames. `is_own` for the one that asks.
     #[inline]
     pub fn add(&mut self, state: &SurfelIrradiance, weight: f32, age: u32, is_own: bool) {
-        let variance = mean_variance(state, age);
-        self.ray_variance += weight * (variance * state.samples as f32);
+        let variance = mean_variance(state);
+        self.ray_variance += weight * state.variance;
         self.ray_sum += weight;
         if is_own {
             return;

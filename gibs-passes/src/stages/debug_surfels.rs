@@ -30,14 +30,14 @@ stage! {
 /// Of a surfel at the eye itself, for a radius that is a number.
 const LEAST_DISTANCE: f32 = 1e-20;
 
-/// Short-term standard deviation of a surfel's irradiance over its mean: what steers the estimator and ray requests.
+/// Standard deviation of what so many rays bring that the estimator is fully confident, over the mean.
 #[inline]
 pub fn deviation(state: &SurfelIrradiance) -> f32 {
     let level = estimator::luminance(state.mean).max(estimator::luminance(state.short_mean));
     if level <= 0.0 {
         return 0.0;
     }
-    estimator::luminance(state.variance).max(0.0).sqrt() / level
+    (state.variance / estimator::FULL_CONFIDENCE).sqrt() / level
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {

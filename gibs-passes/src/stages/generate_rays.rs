@@ -74,7 +74,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             false => None,
         };
         for ray in first..last {
-            let index = p.irradiance[i].samples + (ray - first);
+            let index = p.irradiance[i].drawn + (ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
             let uv = sampling::r2(index, shift);
             let drawn = if emitters && mixture::goes_to_emitter(index, hash::hash2(surfel, 2)) {

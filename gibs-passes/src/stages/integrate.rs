@@ -1,8 +1,9 @@
 //! `filtering/temporal`: rays into irradiance (I1, I3).
 use crate::data::{
-    Frame, Neighbours, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
+    ClampedLight, Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose,
+    SurfelSettings,
 };
-use crate::shared::{estimator, sharing};
+use crate::shared::{estimator, grid, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{Vec3, Vec4};
@@ -10,21 +11,24 @@ use std::f32::consts::PI;
 
 stage! {
     /// Feeds each surfel's mean of `pi * radiance` (the estimator of irradiance under `cos / pi`) to its multiscale
-    /// mean, and finds what the surfel says: that mean, and what its neighbours know better. Without rays, the mean is
-    /// left as it is.
+    /// mean, after a share of what it knew is forgotten where the cell's light has changed, and finds what the surfel says:
+    /// that mean, and what its neighbours know better. Without rays, the mean is left as it is. Where `clamped` is bound,
+    /// it tells what the firefly clamp took.
     pub stage Integrate {
         wgsl: gibs_shaders::stages::INTEGRATE,
         workgroup: [64, 1, 1],
         ports: {
             uniform frame: Frame,
+            uniform grid: GridShape,
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
-            read births: SurfelBirth,
             read offsets: u32,
             read radiance: Vec4,
             optional_read neighbours: Neighbours,
+            read forget: f32,
             read_write irradiance: SurfelIrradiance,
             write light: SurfelLight,
+            optional_write clamped: ClampedLight,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -41,7 +45,12 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 #[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
-        if p.poses[i].radius <= 0.0 {
+        let pose = &p.poses[i];
+        let mut clamped = ClampedLight::default();
+        if pose.radius <= 0.0 {
+            if !p.clamped.is_empty() {
+                p.clamped.set(i, clamped);
+            }
             continue;
         }
         let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
@@ -50,10 +59,17 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
             let rays = (last - first) as u32;
             let sample = sum * (PI / rays as f32);
-            state = estimator::update(&state, sample, rays, p.settings.clamp != 0);
+            let share = p.forget[grid::cell(pose.position, p.grid) as usize];
+            state = estimator::forget(&state, share, p.frame.number);
+            clamped = estimator::taken(&state, sample, rays);
+            let clamp = p.settings.clamp != 0;
+            state = estimator::update(&state, sample, rays, p.frame.number, clamp);
             p.irradiance.set(i, state);
         }
-        let age = p.frame.number.wrapping_sub(p.births[i].frame);
+        if !p.clamped.is_empty() {
+            p.clamped.set(i, clamped);
+        }
+        let age = p.frame.number.wrapping_sub(state.since);
         let neighbours = p.neighbours.get(i).copied().unwrap_or_default();
         p.light.set(i, sharing::light(&state, age, &neighbours));
     }

@@ -8,6 +8,8 @@ pub mod count_slots;
 pub mod debug_discs;
 pub mod debug_surface;
 pub mod debug_surfels;
+pub mod drift_blocks;
+pub mod drift_total;
 pub mod export_indirect;
 pub mod gap_fill;
 pub mod gather_direct;
@@ -21,6 +23,7 @@ pub mod import_gbuffer;
 pub mod integrate;
 pub mod light_batch;
 pub mod mark_slots;
+pub mod measure_drift;
 pub mod pack_points;
 pub mod positional_update;
 pub mod primary_rays;
@@ -47,6 +50,7 @@ pub mod share_irradiance;
 pub mod spawn;
 pub mod spawn_claim;
 pub mod spawn_commit;
+pub mod sum_clamped;
 pub mod trace_any;
 pub mod trace_closest;
 pub mod update_depth;
@@ -85,6 +89,8 @@ pub fn all() -> Vec<StageInfo> {
         info::<debug_discs::DebugDiscs>(),
         info::<debug_surface::DebugSurface>(),
         info::<debug_surfels::DebugSurfels>(),
+        info::<drift_blocks::DriftBlocks>(),
+        info::<drift_total::DriftTotal>(),
         info::<export_indirect::ExportIndirect>(),
         info::<gap_fill::GapFill>(),
         info::<gather_direct::GatherDirect>(),
@@ -98,6 +104,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<integrate::Integrate>(),
         info::<light_batch::LightBatch>(),
         info::<mark_slots::MarkSlots>(),
+        info::<measure_drift::MeasureDrift>(),
         info::<pack_points::PackPoints>(),
         info::<positional_update::PositionalUpdate>(),
         info::<primary_rays::PrimaryRays>(),
@@ -124,6 +131,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<spawn::Spawn>(),
         info::<spawn_claim::SpawnClaim>(),
         info::<spawn_commit::SpawnCommit>(),
+        info::<sum_clamped::SumClamped>(),
         info::<trace_any::TraceAny>(),
         info::<trace_closest::TraceClosest>(),
         info::<update_depth::UpdateDepth>(),

@@ -1,5 +1,5 @@
 //! `persistent/request_rays`: how many rays each surfel would like (I4).
-use crate::data::{Frame, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::requests;
 use gibs_graph::{Workgroup, stage};
 
@@ -10,10 +10,8 @@ stage! {
         wgsl: gibs_shaders::stages::REQUEST_RAYS,
         workgroup: [64, 1, 1],
         ports: {
-            uniform frame: Frame,
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
-            read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
             read unseen: u32,
             write requests: u32,
@@ -28,9 +26,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let request = if p.poses[i].radius <= 0.0 {
             0
         } else {
-            let age = p.frame.number.wrapping_sub(p.births[i].frame);
-            let steered = p.settings.steered != 0;
-            requests::request(&p.irradiance[i], age, p.unseen[i], steered)
+            requests::request(&p.irradiance[i], p.unseen[i], p.settings.steered != 0)
         };
         p.requests.set(i, request);
     }

@@ -1,7 +1,6 @@
 //! `filtering/spatial`: irradiance of neighbouring surfels (I8).
 use crate::data::{
-    Frame, GridShape, Neighbours, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
-    SurfelSettings,
+    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
 use crate::shared::{lookup, sharing};
 use crate::simd;
@@ -21,7 +20,6 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
             optional_read depths: SurfelDepth,
             write neighbours: Neighbours,
@@ -67,11 +65,11 @@ fn share(
         settings: p.settings,
     };
     let states = p.irradiance.slice();
-    let age = |id: usize| p.frame.number.wrapping_sub(p.births[id].frame);
+    let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
     for i in group.range(p.poses.len() as u32) {
         let pose = &p.poses[i];
         let mut asked = sharing::Asked::default();
-        if pose.radius > 0.0 && sharing::asks(&states[i], age(i)) {
+        if pose.radius > 0.0 && sharing::asks(&states[i]) {
             neighbours(
                 pose.position,
                 pose.normal,

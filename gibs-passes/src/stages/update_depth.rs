@@ -52,7 +52,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let pose = &p.poses[i];
-        let before = p.irradiance[i].samples;
+        let before = p.irradiance[i].drawn;
         let mut depth = p.depths.get(i);
         for ray in first..last {
             let local = sampling::to_local(p.rays[ray].direction, pose.normal);

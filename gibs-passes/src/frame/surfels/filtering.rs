@@ -28,7 +28,6 @@ pub(super) fn filter(
             cells: &grid.cells,
             entries: &grid.entries,
             poses: &surfels.poses,
-            births: &surfels.births,
             irradiance: &surfels.irradiance,
             depths: surfels.depths.as_ref(),
             neighbours,
@@ -40,24 +39,75 @@ pub(super) fn filter(
         )
         .neighbours
     });
+    let forget = forget(g, grid, &surfels);
+    let clamped = settings
+        .clamp
+        .then(|| g.transient("clamped_light", capacity));
     let integrated = g.add::<integrate::Integrate>(
         "filtering/temporal",
         integrate::Inputs {
             frame: &scene.frame,
+            grid: &grid.shape,
             settings: device_settings,
             poses: &surfels.poses,
-            births: &surfels.births,
             offsets,
             radiance,
             neighbours: neighbours.as_ref(),
+            forget: &forget,
             irradiance: surfels.irradiance,
             light: surfels.light,
+            clamped,
         },
         Dispatch::Elements(capacity),
     );
+    if let Some(clamped) = &integrated.clamped {
+        let total = g.transient("clamped", 1);
+        let inputs = sum_clamped::Inputs { clamped, total };
+        let one = Dispatch::Groups([1, 1, 1]);
+        let summed = g.add::<sum_clamped::SumClamped>("filtering/clamped", inputs, one);
+        g.output("clamped", &summed.total);
+    }
     Surfels {
         irradiance: integrated.irradiance,
         light: integrated.light,
         ..surfels
     }
+}
+
+/// Share of what they know that the surfels of each cell should forget.
+fn forget(g: &mut Graph, grid: &Grid, surfels: &Surfels) -> Buffer<f32> {
+    let capacity = surfels.poses.len();
+    let blocks = g.transient(
+        "drift_blocks",
+        capacity.div_ceil(drift_blocks::BLOCK as u64),
+    );
+    let inputs = drift_blocks::Inputs {
+        poses: &surfels.poses,
+        irradiance: &surfels.irradiance,
+        blocks,
+    };
+    let all = Dispatch::Elements(capacity);
+    let blocks = g
+        .add::<drift_blocks::DriftBlocks>("filtering/drift_blocks", inputs, all)
+        .blocks;
+    let total = g.transient("drift_total", 1);
+    let inputs = drift_total::Inputs {
+        blocks: &blocks,
+        total,
+    };
+    let one = Dispatch::Groups([1, 1, 1]);
+    let total = g
+        .add::<drift_total::DriftTotal>("filtering/drift_total", inputs, one)
+        .total;
+    let forget = g.transient("forget", grid.cells.len());
+    let inputs = measure_drift::Inputs {
+        cells: &grid.cells,
+        entries: &grid.entries,
+        irradiance: &surfels.irradiance,
+        total: &total,
+        forget,
+    };
+    let cells = Dispatch::Elements(grid.cells.len());
+    g.add::<measure_drift::MeasureDrift>("filtering/drift", inputs, cells)
+        .forget
 }

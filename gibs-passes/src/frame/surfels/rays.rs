@@ -24,10 +24,8 @@ pub(super) fn integrate_rays(
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
     let inputs = request_rays::Inputs {
-        frame: &scene.frame,
         settings: device_settings,
         poses: &surfels.poses,
-        births: &surfels.births,
         irradiance: &surfels.irradiance,
         unseen: &surfels.unseen,
         requests,
