@@ -6,7 +6,7 @@ use crate::query::{self, Irradiance};
 use crate::renderer::{RenderError, Shaders, check_camera, check_size};
 use crate::view::View;
 use gibs_graph::{Executable, Graph, ResourceId, Schedule};
-use gibs_passes::data::HostGbuffer;
+use gibs_passes::data::{self, HostGbuffer};
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
     DebugView, FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
@@ -289,13 +289,7 @@ impl Gi {
         }
         host.map_or(Ok(()), HostGbuffer::check)?;
         check_camera(camera)?;
-        let update = FrameUpdate {
-            camera,
-            size: self.parts.size,
-            number: self.frame,
-            seed: self.seed,
-            grid: self.parts.grid,
-        };
+        let update = self.update(camera);
         let Parts { lit, settings, .. } = &self.parts;
         let scene = &lit.device;
         upload_frame(exec, scene, settings, &update)?;
@@ -309,6 +303,23 @@ impl Gi {
         self.frame = self.frame.wrapping_add(1);
         self.begun = true;
         Ok(())
+    }
+}
+
+impl Gi {
+    fn update<'a>(&self, camera: &'a Camera) -> FrameUpdate<'a> {
+        FrameUpdate {
+            camera,
+            size: self.parts.size,
+            number: self.frame,
+            seed: self.seed,
+            grid: self.parts.grid,
+        }
+    }
+
+    /// A camera as the device sees it, relative to the floating origin.
+    pub(crate) fn device_camera(&self, camera: &Camera) -> data::Camera {
+        self.update(camera).camera(self.scene().origin)
     }
 }
 

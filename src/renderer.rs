@@ -1,12 +1,15 @@
 //! Rendering a scene with the surfel frame.
+use crate::Counters;
 use crate::channels::{find_output, read_output, set, surface_channels};
 use crate::debug::DebugPicture;
 use crate::gi::Gi;
 use crate::picture::{Picture, PictureError};
 use crate::query::Irradiance;
 use crate::view::View;
-use gibs_graph::{Backend, BackendError, Element, Executable, Graph, GraphErrors, Schedule};
-use gibs_passes::data::{HostGbufferError, SurfacePoint, SurfelCounters};
+use gibs_graph::{
+    Backend, BackendError, DispatchArgs, Element, Executable, Graph, GraphErrors, Schedule,
+};
+use gibs_passes::data::{self, HostGbufferError, SurfacePoint, SurfelCounters};
 use gibs_passes::device::{DeviceScene, DeviceSceneError};
 use gibs_passes::frame::{Screen, SettingError, Settings, SurfelOutputs};
 use gibs_passes::scene::{Camera, Scene, SceneDataError};
@@ -334,22 +337,35 @@ impl Renderer {
         self.gi.irradiance(self.exec.as_mut(), points, normals)
     }
 
-    /// Counters of the surfels after the last frame, and list entries that did not fit the grid.
+    /// What happened to the surfels up to the last frame. Waits for it.
     ///
     /// # Errors
     /// [`RenderError::NoFrame`], [`RenderError::Backend`].
-    pub fn counters(&mut self) -> Result<SurfelCounters, RenderError> {
-        let mut counters: SurfelCounters = self
-            .output("counters")?
-            .first()
-            .copied()
-            .unwrap_or_default();
-        counters.overflow = self
-            .output::<u32>("overflow")?
-            .first()
-            .copied()
-            .unwrap_or_default();
-        Ok(counters)
+    pub fn counters(&mut self) -> Result<Counters, RenderError> {
+        let surfels: SurfelCounters = self.only("counters")?;
+        let slot_errors = self.gi.schedule().output("slot_errors").is_some();
+        Ok(Counters {
+            live: surfels.live,
+            born: surfels.born,
+            recycled: surfels.recycled,
+            starved: surfels.starved,
+            overflow: self.only("overflow")?,
+            rays: self.only::<DispatchArgs>("rays")?.count,
+            slot_errors: match slot_errors {
+                true => Some(self.only("slot_errors")?),
+                false => None,
+            },
+        })
+    }
+
+    /// The one element of an output.
+    fn only<T: Element + Default>(&mut self, name: &str) -> Result<T, RenderError> {
+        Ok(self.output(name)?.first().copied().unwrap_or_default())
+    }
+
+    /// The camera of the next frame as the device sees it, relative to the floating origin.
+    pub(crate) fn device_camera(&self) -> data::Camera {
+        self.gi.device_camera(&self.view.camera)
     }
 
     /// The picture after the last frame: the final image in `R G B`, the channels of a truth, and the values of the debug

@@ -1,10 +1,24 @@
 //! Budgets and capacities: held to the ray, and counted where they run out.
 mod common;
 
-use common::{all_backends, settings};
+use common::{all_backends, mean, settings};
 use gibs::graph::DispatchArgs;
+use gibs::passes::data::{SurfelIrradiance, SurfelPose};
 use gibs::passes::frame::Settings;
+use gibs::passes::scene::{Camera, Environment};
 use gibs::{Renderer, builtin};
+use glam::{DVec3, Vec3};
+
+fn state<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
+    let exec = renderer.executable();
+    let id = exec.schedule().resource(key).expect("a state");
+    bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
+}
+
+fn is_finite(renderer: &mut Renderer) -> bool {
+    let picture = renderer.picture().expect("a picture");
+    picture.channels.values().flatten().all(|x| x.is_finite())
+}
 
 /// The rays of a frame are exactly the budget, from none to more than the surfels asked for.
 #[test]
@@ -103,4 +117,201 @@ fn a_full_grid_is_counted() {
             backend.name()
         );
     }
+}
+
+/// With one ray a frame there is exactly one, and every surfel gets its turn: slots are few, so that all are soon in use,
+/// and requests differ by at most thirty-two to one.
+#[test]
+fn one_ray_goes_around() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    for backend in all_backends() {
+        let settings = Settings {
+            surfels: 24,
+            check_slots: true,
+            ..settings(1)
+        };
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [32, 32], &settings, 0)
+            .expect("prepares");
+        for frame in 0..160 {
+            renderer.frame().expect("renders");
+            let counters = renderer.counters().expect("reads");
+            assert_eq!(counters.rays, 1, "{}: frame {frame}", backend.name());
+            assert_eq!(
+                counters.slot_errors,
+                Some(0),
+                "{}: frame {frame}",
+                backend.name()
+            );
+        }
+        let poses: Vec<SurfelPose> = state(&mut renderer, "surfel_poses");
+        let irradiance: Vec<SurfelIrradiance> = state(&mut renderer, "surfel_irradiance");
+        let samples: Vec<u32> = poses
+            .iter()
+            .zip(&irradiance)
+            .filter(|(pose, _)| pose.radius > 0.0)
+            .map(|(_, irradiance)| irradiance.samples)
+            .collect();
+        assert_eq!(samples.len(), 24, "{}", backend.name());
+        assert!(
+            samples.iter().all(|&samples| samples > 0),
+            "{}: rays of each surfel: {samples:?}",
+            backend.name()
+        );
+        assert!(is_finite(&mut renderer), "{}", backend.name());
+    }
+}
+
+/// Without surfels the picture is direct light and what the lamp shows; births are counted as starved, and none happens.
+/// Going back to some finds the frame as it was.
+#[test]
+fn no_surfels_is_direct_light_only() {
+    let (scene, view) = builtin::by_name("atrium").expect("built in");
+    for backend in all_backends() {
+        for half_resolution in [true, false] {
+            let none = Settings {
+                surfels: 0,
+                check_slots: true,
+                guiding: true,
+                half_resolution,
+                hit_births: 16,
+                ..settings(1_000)
+            };
+            let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [48, 32], &none, 0)
+                .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+            for _ in 0..3 {
+                renderer.frame().expect("renders");
+            }
+            let counters = renderer.counters().expect("reads");
+            let name = backend.name();
+            assert_eq!((counters.live, counters.born), (0, 0), "{name}");
+            assert!(counters.starved > 0, "{name}");
+            assert_eq!(
+                (counters.rays, counters.slot_errors),
+                (0, Some(0)),
+                "{name}"
+            );
+            let picture = renderer.picture().expect("a picture");
+            let irradiance = picture.rgb("E").expect("E");
+            assert!(
+                irradiance.iter().all(|c| c.iter().all(|x| *x == 0.0)),
+                "{name}"
+            );
+            assert!(mean(&picture, "direct") > 0.1, "{name}: the sun shines");
+            assert!(is_finite(&mut renderer), "{name}");
+            let some = Settings {
+                surfels: 256,
+                ..none.clone()
+            };
+            for settings in [&some, &none] {
+                renderer.set_settings(settings).expect("other settings");
+                for _ in 0..2 {
+                    renderer.frame().expect("renders");
+                }
+                let counters = renderer.counters().expect("reads");
+                assert_eq!(
+                    counters.live > 0,
+                    settings.surfels > 0,
+                    "{name}: {counters:?}"
+                );
+                assert_eq!(counters.slot_errors, Some(0), "{name}");
+            }
+        }
+    }
+}
+
+/// A camera that looks away from everything sees the sky, with surfels left over or without any.
+#[test]
+fn a_view_of_the_sky_alone_needs_no_surfel() {
+    let (scene, mut view) = builtin::by_name("cornell").expect("built in");
+    view.environment = Environment::Constant(Vec3::new(0.25, 0.5, 1.0));
+    let there = view.camera;
+    let away = Camera {
+        target: there.position - (there.target - there.position),
+        ..there
+    };
+    for backend in all_backends() {
+        for surfels in [0, 64] {
+            let settings = Settings {
+                surfels,
+                check_slots: true,
+                ..settings(500)
+            };
+            let mut renderer =
+                Renderer::new(backend.as_ref(), &scene, &view, [32, 32], &settings, 0)
+                    .expect("prepares");
+            for camera in [away, there, away] {
+                renderer.set_camera(camera);
+                for _ in 0..3 {
+                    renderer.frame().expect("renders");
+                }
+                let counters = renderer.counters().expect("reads");
+                assert_eq!(counters.slot_errors, Some(0), "{}", backend.name());
+                assert!(is_finite(&mut renderer), "{}", backend.name());
+            }
+            let picture = renderer.picture().expect("a picture");
+            let mask = picture.scalar("mask.A").expect("a mask");
+            assert!(
+                mask.iter().all(|m| *m == 0.0),
+                "{}: sky alone",
+                backend.name()
+            );
+            let blue = picture.rgb("").expect("the picture")[2];
+            assert!(blue.iter().all(|x| *x == 1.0), "{}", backend.name());
+        }
+    }
+}
+
+/// A cut every frame, near and far, into walls and out of the scene: 200 of them leave every number finite, every slot in
+/// its place, and count what did not fit.
+#[test]
+fn a_cut_every_frame_leaves_everything_sound() {
+    let (scene, view) = builtin::by_name("atrium").expect("built in");
+    let settings = Settings {
+        surfels: 300,
+        grid_lists: 2,
+        check_slots: true,
+        ..settings(500)
+    };
+    let mut ends = Vec::new();
+    for backend in all_backends() {
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [40, 24], &settings, 0)
+            .expect("prepares");
+        let (mut most, mut overflow) = (0, 0_u64);
+        for frame in 0..200 {
+            // Multiples of the golden ratio and its powers: everywhere, and never the same place twice.
+            let at = |step: f64| (f64::from(frame) * step).fract() * 2.0 - 1.0;
+            let position = DVec3::new(
+                14.0 * at(0.618_034),
+                6.0 + 7.0 * at(0.381_966),
+                9.0 * at(0.236_068),
+            );
+            let turn = f64::from(frame) * 2.4;
+            renderer.set_camera(Camera {
+                position,
+                target: position + DVec3::new(turn.cos(), 0.3 * at(0.145_898), turn.sin()),
+                ..view.camera
+            });
+            renderer.frame().expect("renders");
+            let counters = renderer.counters().expect("reads");
+            let place = format!("{}: frame {frame}: {counters:?}", backend.name());
+            assert_eq!(counters.slot_errors, Some(0), "{place}");
+            assert!(counters.live <= 300 && counters.rays <= 500, "{place}");
+            assert_eq!(counters.live, counters.born - counters.recycled, "{place}");
+            most = most.max(counters.live);
+            overflow += u64::from(counters.overflow);
+            if frame % 20 == 0 {
+                assert!(is_finite(&mut renderer), "{place}");
+            }
+        }
+        let counters = renderer.counters().expect("reads");
+        println!("{}: {counters:?}, at most {most} live", backend.name());
+        assert!(
+            counters.recycled > 500,
+            "{}: slots come back",
+            backend.name()
+        );
+        assert!(counters.starved > 0 && overflow > 0, "{}", backend.name());
+        ends.push(counters);
+    }
+    assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
 }

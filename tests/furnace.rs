@@ -3,7 +3,11 @@ mod common;
 
 use common::{all_backends, mean, render, settings};
 use gibs::builtin;
+use gibs::passes::frame::Settings;
+use gibs::passes::scene::{Environment, Light, LightKind, LocalTransform, Node, Scene, Sun};
 use gibs::reference::{ReferenceOptions, reference};
+use gibs::view::View;
+use glam::{DAffine3, DVec3, Vec3};
 
 const ALBEDOS: [f32; 3] = [0.2, 0.5, 0.8];
 
@@ -62,27 +66,52 @@ fn surfels_have_the_closed_form_within_three_percent() {
     }
 }
 
-/// Multiplying every light by a power of two multiplies the result by exactly that.
+/// The Cornell box, open to a sky, under a sun and with a point light in it; all light times `scale`.
+fn lit(scale: f32) -> (Scene, View) {
+    let (mut scene, mut view) = builtin::by_name("cornell").expect("built in");
+    for material in &mut scene.materials {
+        material.emission *= scale;
+    }
+    let node = scene.nodes.len() as u32;
+    scene.nodes.push(Node {
+        local: LocalTransform::Affine(DAffine3::from_translation(DVec3::new(2.8, 3.0, 1.0))),
+        ..Node::default()
+    });
+    scene.lights.push(Light {
+        node,
+        kind: LightKind::Point,
+        intensity: Vec3::new(3.0, 2.0, 1.0) * scale,
+    });
+    view.sun = Some(Sun {
+        direction: DVec3::new(0.2, -0.4, 1.0),
+        irradiance: Vec3::new(4.0, 3.0, 2.0) * scale,
+    });
+    view.environment = Environment::Constant(Vec3::new(0.2, 0.3, 0.5) * scale);
+    (scene, view)
+}
+
+/// Multiplying every light by a power of two multiplies the result by exactly that, guided or not.
 #[test]
 fn light_scales_exactly() {
-    let backend = common::cpu();
-    let at = |emission: f32| {
-        render(
-            backend.as_ref(),
-            &builtin::furnace(0.5, emission),
-            [32, 32],
-            16,
-            &settings(4_000),
-            1,
-        )
-    };
-    let (one, many) = (at(1.0), at(4096.0));
-    let (one, many) = (one.rgb("E").expect("E"), many.rgb("E").expect("E"));
-    for (a, b) in one
-        .iter()
-        .flat_map(|p| p.iter())
-        .zip(many.iter().flat_map(|p| p.iter()))
-    {
-        assert_eq!(a * 4096.0, *b);
+    for backend in all_backends() {
+        for guiding in [false, true] {
+            let settings = Settings {
+                guiding,
+                ..settings(2_000)
+            };
+            let at = |scale: f32| {
+                let picture = render(backend.as_ref(), &lit(scale), [32, 32], 12, &settings, 1);
+                picture.rgb("E").expect("E").concat()
+            };
+            let one = at(1.0);
+            assert!(one.iter().any(|e| *e > 0.1));
+            for power in [-20, 20] {
+                let scale = 2f32.powi(power);
+                let many = at(scale);
+                let differ = one.iter().zip(&many).filter(|(a, b)| *a * scale != **b);
+                let name = backend.name();
+                assert_eq!(differ.count(), 0, "{name}: 2^{power}, guiding {guiding}");
+            }
+        }
     }
 }

@@ -470,12 +470,12 @@ element! {
     pub struct SurfelCounters {
         /// Slots in use: free ones are on the stack from this index on, so that it grows at its end.
         live: u32,
-        /// Surfels that found no free slot, since the start.
+        /// Surfels that found no free slot, since the start, wrapping.
         starved: u32,
-        /// Cell list entries that did not fit, this frame.
-        overflow: u32,
-        /// Rays of this frame.
-        rays: u32,
+        /// Surfels born since the start, wrapping.
+        born: u32,
+        /// Surfels that gave up their slots since the start, wrapping.
+        recycled: u32,
     }
 }
 

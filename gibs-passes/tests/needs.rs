@@ -137,6 +137,11 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             "apply/compose.environment"
         ]
     );
+    let check = listed.iter().find(|n| n.name == "slot check");
+    let check = check.expect("listed");
+    let added = ["check/mark_slots", "check/count_slots"];
+    assert!(!check.present && check.stages == added, "{check:?}");
+    assert!(check.bindings.is_empty(), "{check:?}");
     let half = listed.iter().find(|n| n.name == "half resolution");
     let half = half.expect("listed");
     let added = [
@@ -170,6 +175,7 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("ray sorting", true),
             ("paths beyond a hit", true),
             ("births at hits", false),
+            ("slot check", false),
             ("debug view", false),
             ("irradiance at points", true)
         ]

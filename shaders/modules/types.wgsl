@@ -287,6 +287,6 @@ struct ReferencePath {
 struct SurfelCounters {
     live: u32,
     starved: u32,
-    overflow: u32,
-    rays: u32,
+    born: u32,
+    recycled: u32,
 }

@@ -36,13 +36,16 @@ fn wide_integer_divide(n: vec2<u32>, c: u32) -> u32 {
     return quotient;
 }
 
-/// `floor(a * b / c)` without overflow, for `a <= c`; 0 for `c = 0`.
-fn wide_integer_share(a: u32, b: u32, c: u32) -> u32 {
+/// `floor((a * b + phase) / c)` without overflow, for `a <= c` and `phase < c`; 0 for `c = 0`.
+fn wide_integer_share(a: u32, b: u32, phase: u32, c: u32) -> u32 {
     if c == 0u {
         return 0u;
     }
     if a == c {
         return b;
     }
-    return wide_integer_divide(wide_integer_multiply(a, b), c);
+    let product = wide_integer_multiply(a, b);
+    let low = product.y + phase;
+    let carry = select(0u, 1u, low < phase);
+    return wide_integer_divide(vec2<u32>(product.x + carry, low), c);
 }

@@ -24,7 +24,14 @@ import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDept
 /// Side of a workgroup, texels: that of the largest tile.
 const GROUP: u32 = 16u;
 
-/// Per tile: share of the wanted coverage in bits 16-31, a hash that breaks ties in bits 8-15, the lane in bits 0-7.
+/// Coverage, over that at which spawning stops, below which a birth is certain.
+const HOLE: f32 = 0.5;
+
+/// Coverage, over that at which spawning stops, below which a tile may have a gap between the pixels that stand for it.
+const AMPLE: f32 = 2.0;
+
+/// Per tile: coverage over twice the wanted one in bits 16-31, a hash that breaks ties in bits 10-15, which of the texel's pixels
+/// in bits 8-9, the lane in bits 0-7.
 var<workgroup> least: array<atomic<u32>, 64>;
 
 /// A pixel sees a surfel.
@@ -37,6 +44,30 @@ fn coverage_seen(id: u32) {
 /// The texel of a lane.
 fn texel(group: vec3<u32>, lane: u32) -> vec2<u32> {
     return group.xy * GROUP + vec2<u32>(lane % GROUP, lane / GROUP);
+}
+
+/// Which of a texel's pixels stands for it: the first of this frame, or one of the others.
+fn pixel(here: vec2<u32>, turn: u32) -> vec2<u32> {
+    let size = vec2<u32>(camera.width, camera.height);
+    return upsample_pixel_of(here, settings.stride, frame.number + turn, size);
+}
+
+/// Holds a pixel of a texel against the least covered one of its tile, the `within`th of the workgroup.
+fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) {
+    if any(here * settings.stride >= vec2<u32>(camera.width, camera.height)) {
+        return;
+    }
+    let at = pixel(here, turn);
+    let point = points[at.y * camera.width + at.x];
+    if !surface_is_surface(point) {
+        return;
+    }
+    let normal = octahedral_unpack(point.shading_normal);
+    let coverage = lookup_coverage(point.position, normal);
+    let share = min(coverage / (AMPLE * settings.coverage), 1.0);
+    let place = (turn << 8u) | lane;
+    let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
+    atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 10u) | place);
 }
 
 @compute @workgroup_size(16, 16)
@@ -54,18 +85,16 @@ fn main(
         atomicStore(&least[lane], NONE);
     }
     workgroupBarrier();
-    let size = vec2<u32>(camera.width, camera.height);
     let here = texel(group, lane);
-    if all(here * settings.stride < size) {
-        let at = upsample_pixel_of(here, settings.stride, frame.number, size);
-        let point = points[at.y * camera.width + at.x];
-        if surface_is_surface(point) {
-            let normal = octahedral_unpack(point.shading_normal);
-            let coverage = lookup_coverage(point.position, normal);
-            let share = min(coverage / settings.coverage, 1.0);
-            let within = lane / GROUP / side * across + lane % GROUP / side;
-            let tie = hash_hash3(first + within, hash_hash2(frame.number, frame.seed), lane) & 0xffu;
-            atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 8u) | lane);
+    let within = lane / GROUP / side * across + lane % GROUP / side;
+    look(here, lane, 0u, within, first + within);
+    workgroupBarrier();
+    // In a tile that may have a gap, the other pixels of its texels as well. Whoever looks only makes the value smaller,
+    // and in the other tiles nobody does.
+    let is_doubtful = (atomicLoad(&least[within]) >> 16u) < 65534u;
+    if is_doubtful {
+        for (var turn = 1u; turn < settings.stride * settings.stride; turn++) {
+            look(here, lane, turn, within, first + within);
         }
     }
     workgroupBarrier();
@@ -76,10 +105,10 @@ fn main(
     let found = atomicLoad(&least[lane]);
     var candidate = NONE;
     if found != NONE {
-        let share = f32(found >> 16u) / 65534.0;
+        let share = f32(found >> 16u) * (AMPLE / 65534.0);
         let random = hash_unit(hash_hash3(frame.number, tile, frame.seed));
-        if random < 1.0 - share {
-            let chosen = upsample_pixel_of(texel(group, found & 0xffu), settings.stride, frame.number, size);
+        if random * (1.0 - HOLE) < 1.0 - share {
+            let chosen = pixel(texel(group, found & 0xffu), (found >> 8u) & 3u);
             candidate = chosen.y * camera.width + chosen.x;
         }
     }

@@ -22,7 +22,7 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= settings.capacity {
+    if i >= arrayLength(&poses) {
         return;
     }
     let pose = poses[i];

@@ -29,7 +29,7 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= settings.capacity {
+    if i >= arrayLength(&gone) {
         return;
     }
     let pose = poses[i];
@@ -37,7 +37,7 @@ fn main(
         gone[i] = 0u;
         return;
     }
-    let used = f32(counters[0].live) / f32(settings.capacity);
+    let used = f32(counters[0].live) / f32(max(settings.capacity, 1u));
     var others = 0.0;
     if recycling_looks(pose.identity, frame.number) {
         others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;

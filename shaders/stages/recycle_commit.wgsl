@@ -7,4 +7,5 @@ import package::types::SurfelCounters;
 @compute @workgroup_size(1)
 fn main() {
     counters[0].live -= total[0];
+    counters[0].recycled += total[0];
 }

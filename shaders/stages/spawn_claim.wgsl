@@ -2,15 +2,16 @@
 // served first is drawn anew each frame.
 import package::hash::hash_hash2;
 import package::invocation::invocation_index;
-import package::types::{Frame, NONE, SurfelCounters};
+import package::types::{Frame, NONE, SurfelCounters, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<storage, read> candidates: array<u32>;
-@group(0) @binding(2) var<storage, read> ranks: array<u32>;
-@group(0) @binding(3) var<storage, read> total: array<u32>;
-@group(0) @binding(4) var<storage, read> counters: array<SurfelCounters>;
-@group(0) @binding(5) var<storage, read> free_slots: array<u32>;
-@group(0) @binding(6) var<storage, read_write> claims: array<vec2<u32>>;
+@group(0) @binding(1) var<uniform> settings: SurfelSettings;
+@group(0) @binding(2) var<storage, read> candidates: array<u32>;
+@group(0) @binding(3) var<storage, read> ranks: array<u32>;
+@group(0) @binding(4) var<storage, read> total: array<u32>;
+@group(0) @binding(5) var<storage, read> counters: array<SurfelCounters>;
+@group(0) @binding(6) var<storage, read> free_slots: array<u32>;
+@group(0) @binding(7) var<storage, read_write> claims: array<vec2<u32>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -28,7 +29,7 @@ fn main(
     let rank = (ranks[tile] + first) % wanted;
     var claim = vec2<u32>(NONE, NONE);
     let slot = counters[0].live + rank;
-    if candidate != NONE && slot < arrayLength(&free_slots) {
+    if candidate != NONE && slot < settings.capacity {
         claim = vec2<u32>(free_slots[slot], candidate);
     }
     claims[tile] = claim;

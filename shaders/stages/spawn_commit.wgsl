@@ -1,4 +1,4 @@
-// The free stack after this frame's births, and the count of births that found no slot.
+// The free stack after this frame's births, and the counts of them and of those that found no slot.
 import package::types::{SurfelCounters, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
@@ -10,5 +10,6 @@ fn main() {
     let wanted = total[0];
     let born = min(wanted, settings.capacity - counters[0].live);
     counters[0].live += born;
+    counters[0].born += born;
     counters[0].starved += wanted - born;
 }

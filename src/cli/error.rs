@@ -3,7 +3,9 @@ use crate::RenderError;
 use crate::backends::UnknownBackend;
 use crate::bench::BenchError;
 use crate::cli::compare::CompareCommandError;
+use crate::compare::CompareError;
 use crate::gltf_import::ImportError;
+use crate::measure::{PathError, StressError};
 use crate::picture::{PictureError, WriteError};
 use crate::view::ViewError;
 use gibs_graph::BackendError;
@@ -81,6 +83,28 @@ pub enum CommandError {
         /// Built-in environments.
         names: String,
     },
+    /// Reading a camera path.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// A stress test.
+    #[error(transparent)]
+    Stress(#[from] StressError),
+    /// A truth that frames cannot be compared with.
+    #[error("the frames against {}: {source}", truth.display())]
+    Truth {
+        /// The truth.
+        truth: PathBuf,
+        /// Why not.
+        source: CompareError,
+    },
+    /// Surfels lost slots or shared them.
+    #[error(
+        "{errors} slots were lost or given twice, summed over the frames; please report this with the command line"
+    )]
+    Slots {
+        /// Slots, in every frame that they were wrong in.
+        errors: u64,
+    },
     /// Standard output takes no more.
     #[error("the result could not be printed: {source}; check where standard output goes")]
     Output {
@@ -110,7 +134,9 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Compare(error) => error.exit_code(),
-            Self::NonFinite { .. } | Self::Bench(BenchError::NotFinite { .. }) => 1,
+            Self::NonFinite { .. }
+            | Self::Slots { .. }
+            | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }
     }

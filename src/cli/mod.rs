@@ -9,8 +9,11 @@ mod output;
 mod profile;
 mod reference;
 mod render;
+mod roam;
+mod run;
 mod scene;
 mod settings;
+mod stress;
 
 pub use error::CommandError;
 
@@ -32,6 +35,8 @@ enum Command {
     Compare(Box<compare::Args>),
     Graph(Box<graph::Args>),
     Profile(Box<profile::Args>),
+    Stress(Box<stress::Args>),
+    Roam(Box<roam::Args>),
     Guiding(Box<guiding::Args>),
     Bench(Box<bench::Args>),
     Settings(settings::Args),
@@ -58,6 +63,8 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(*args).map_err(CommandError::from),
         Command::Graph(args) => graph::run(&args),
         Command::Profile(args) => profile::run(&args),
+        Command::Stress(args) => stress::run(&args),
+        Command::Roam(args) => roam::run(&args),
         Command::Guiding(args) => guiding::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Settings(args) => settings::run(&args),

@@ -1,6 +1,7 @@
 //! `gibs render`: direct light and surfel indirect light.
 use super::CommandError;
 use super::output::{check_finite, default_out, progress, say, warning, write};
+use super::run::warn_of;
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
@@ -209,18 +210,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         if let Some(debug) = &summary.debug {
             say!("{debug}");
         }
-        if counters.starved > 0 {
-            warning!(
-                "{} births found no free surfel; raise `surfels`",
-                counters.starved
-            );
-        }
-        if counters.overflow > 0 {
-            warning!(
-                "{} entries did not fit the grid; raise `grid_lists`",
-                counters.overflow
-            );
-        }
     }
+    warn_of(&counters);
     Ok(())
 }

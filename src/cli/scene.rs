@@ -91,6 +91,13 @@ pub struct SettingsArgs {
     /// Ray budget of a frame [default: 100000]
     #[arg(long, value_name = "N")]
     pub rays: Option<u32>,
+    #[command(flatten)]
+    pub others: TechniqueArgs,
+}
+
+/// Settings of the surfel frame but for its ray budget.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TechniqueArgs {
     /// Switch elements of the technique off
     #[arg(long, value_name = "ELEMENT,..", value_delimiter = ',')]
     pub without: Vec<String>,
@@ -105,6 +112,13 @@ pub struct SettingsArgs {
 impl SettingsArgs {
     /// The settings: defaults, then the file, then `--rays`, `--without` and `--set`.
     pub fn load(&self) -> Result<Settings, CommandError> {
+        self.others.load(self.rays)
+    }
+}
+
+impl TechniqueArgs {
+    /// The settings: defaults, then the file, then `rays`, `--without` and `--set`.
+    pub fn load(&self, rays: Option<u32>) -> Result<Settings, CommandError> {
         let mut settings = match &self.settings {
             None => Settings::default(),
             Some(path) => {
@@ -118,7 +132,7 @@ impl SettingsArgs {
                 settings
             }
         };
-        if let Some(rays) = self.rays {
+        if let Some(rays) = rays {
             settings.set("rays", &rays.to_string())?;
         }
         for name in &self.without {

@@ -144,6 +144,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.hit_births = if settings.hit_births > 0 { 0 } else { 256 },
         )?,
         setting(
+            "slot check",
+            settings.check_slots,
+            format!(
+                "the setting check_slots = {}",
+                if settings.check_slots { "on" } else { "off" }
+            ),
+            &|other| other.check_slots = !other.check_slots,
+        )?,
+        setting(
             "debug view",
             settings.debug.is_some(),
             match settings.debug {

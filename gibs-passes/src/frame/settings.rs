@@ -56,6 +56,8 @@ pub struct Settings {
     pub grid_half: f32,
     /// See [`Settings::all`].
     pub queries: u32,
+    /// See [`Settings::all`].
+    pub check_slots: bool,
     /// A picture of what the technique does, beside what it renders.
     pub debug: Option<DebugView>,
 }
@@ -86,6 +88,7 @@ impl Default for Settings {
             grid_lists: 8,
             grid_half: 1.0 / 64.0,
             queries: 0,
+            check_slots: false,
             debug: None,
         }
     }
@@ -220,7 +223,7 @@ macro_rules! settings {
 }
 
 settings! {
-    surfels: u32, "surfels", 1, 1_048_576, "capacity of the surfel buffers";
+    surfels: u32, "surfels", 0, 1_048_576, "capacity of the surfel buffers; 0 for direct light only";
     rays: u32, "rays/frame", 0, 4_000_000, "global budget of surfel rays";
     radius: f32, "pixels", 0.0, 64.0, "target radius of a surfel on screen; 0 to fit as many as there is room for";
     coverage: f32, "", 0.1, 8.0, "summed weight of surfels at which spawning stops";
@@ -243,6 +246,7 @@ settings! {
     grid_lists: u32, "entries", 1, 64, "room in the lists of the grid's cells, per surfel of capacity";
     grid_half: f32, "scene sizes", 0.0001, 1.0, "half the side of the centre cube, over the scene's diagonal";
     queries: u32, "points", 0, 1_048_576, "most points at a time for which a program asks irradiance; 0 for no stage for it";
+    check_slots: bool, "", 0.0, 1.0, "count slots that are lost or given twice, on the device, every frame";
 }
 
 impl Settings {
@@ -267,6 +271,11 @@ impl Settings {
         let surfels = self.surfels as f32 * SHARE_IN_VIEW;
         let fitting = (SURFELS_PER_DISC * pixels / (surfels * std::f32::consts::PI)).sqrt();
         fitting.clamp(LEAST, 16.0)
+    }
+
+    /// Length of the surfel buffers: the capacity, but at least one element, since no buffer can have none.
+    pub fn slots(&self) -> u64 {
+        u64::from(self.surfels.max(1))
     }
 
     /// Pixels along each side of a texel of gap filling.

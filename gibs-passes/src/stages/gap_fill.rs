@@ -11,7 +11,9 @@ stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
     /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
-    /// over. A workgroup has one tile of 16x16 texels, or several smaller ones.
+    /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
+    /// its pixels stands for it, another each frame; but in a tile that may have a gap all of them are looked at, so that
+    /// the least covered one does not wait for its turn while the camera moves on.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],
@@ -39,6 +41,14 @@ pub const GROUP: u32 = 16;
 
 /// Side of the smallest tile, texels.
 pub const LEAST_TILE: u32 = 2;
+
+/// Coverage, over that at which spawning stops, below which a birth is certain: where the average of the cell would make
+/// up more of a pixel's light than its surfels.
+pub const HOLE: f32 = 0.5;
+
+/// Coverage, over that at which spawning stops, below which a tile may have a gap between the pixels that stand for it:
+/// coverage falls from here to a hole within a quarter of a radius.
+pub const AMPLE: f32 = 2.0;
 
 const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
 
@@ -84,38 +94,50 @@ fn fill(
     let tile = GROUP / across;
     let first = group.linear() * across * across;
     let mut least = [NONE; MOST_TILES];
-    for lane in 0..GROUP * GROUP {
-        let (column, row) = (lane % GROUP, lane / GROUP);
-        let texel = UVec2::new(group.id[0], group.id[1]) * GROUP + UVec2::new(column, row);
-        if texel.x * stride >= size.x || texel.y * stride >= size.y {
-            continue;
+    let frame = hash::hash2(number, p.frame.seed);
+    let within = |lane: u32| lane / GROUP / tile * across + lane % GROUP / tile;
+    let texel = |lane: u32| {
+        UVec2::new(group.id[0], group.id[1]) * GROUP + UVec2::new(lane % GROUP, lane / GROUP)
+    };
+    // Which of a texel's pixels stands for it: the first of this frame, or one of the others.
+    let pixel = |lane: u32, turn: u32| {
+        upsample::pixel_of(texel(lane), stride, number.wrapping_add(turn), size)
+    };
+    let look = |least: &mut [u32; MOST_TILES], lane: u32, turn: u32| {
+        if (texel(lane) * stride).cmpge(size).any() {
+            return;
         }
-        let at = upsample::pixel_of(texel, stride, number, size);
+        let at = pixel(lane, turn);
         let point = &p.points[(at.y * size.x + at.x) as usize];
         if !surface::is_surface(point) {
-            continue;
+            return;
         }
         let normal = octahedral::unpack(point.shading_normal);
         let coverage = coverage(point.position, normal, &surfels, p.unseen);
-        let share = (coverage / p.settings.coverage).min(1.0);
-        let within = row / tile * across + column / tile;
-        let frame = hash::hash2(p.frame.number, p.frame.seed);
-        let tie = hash::hash3(first + within, frame, lane) & 0xff;
-        let least = &mut least[within as usize];
-        *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 8) | lane);
+        let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
+        let place = turn << 8 | lane;
+        let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
+        let least = &mut least[within(lane) as usize];
+        *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 10) | place);
+    };
+    for lane in 0..GROUP * GROUP {
+        look(&mut least, lane, 0);
+    }
+    if stride > 1 {
+        let doubtful = least.map(|least| least >> 16 < 65_534);
+        for lane in 0..GROUP * GROUP {
+            if doubtful[within(lane) as usize] {
+                (1..stride * stride).for_each(|turn| look(&mut least, lane, turn));
+            }
+        }
     }
     for (tile, &least) in (first..).zip(&least[..(across * across) as usize]) {
         let mut candidate = NONE;
         if least != NONE {
-            let share = (least >> 16) as f32 / 65_534.0;
+            let share = (least >> 16) as f32 * (AMPLE / 65_534.0);
             let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
-            if random < 1.0 - share {
-                let lane = least & 0xff;
-                let texel = UVec2::new(
-                    group.id[0] * GROUP + lane % GROUP,
-                    group.id[1] * GROUP + lane / GROUP,
-                );
-                let at = upsample::pixel_of(texel, stride, number, size);
+            if random * (1.0 - HOLE) < 1.0 - share {
+                let at = pixel(least & 0xff, (least >> 8) & 3);
                 candidate = at.y * size.x + at.x;
             }
         }

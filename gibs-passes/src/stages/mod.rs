@@ -4,6 +4,7 @@ pub mod allocate_rays;
 pub mod batch_args;
 pub mod compose;
 pub mod continue_paths;
+pub mod count_slots;
 pub mod debug_discs;
 pub mod debug_surface;
 pub mod debug_surfels;
@@ -22,6 +23,7 @@ pub mod hit_gaps;
 pub mod import_gbuffer;
 pub mod integrate;
 pub mod light_batch;
+pub mod mark_slots;
 pub mod measure_drift;
 pub mod pack_points;
 pub mod positional_update;
@@ -84,6 +86,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<batch_args::BatchArgs>(),
         info::<compose::Compose>(),
         info::<continue_paths::ContinuePaths>(),
+        info::<count_slots::CountSlots>(),
         info::<debug_discs::DebugDiscs>(),
         info::<debug_surface::DebugSurface>(),
         info::<debug_surfels::DebugSurfels>(),
@@ -102,6 +105,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<import_gbuffer::ImportGbuffer>(),
         info::<integrate::Integrate>(),
         info::<light_batch::LightBatch>(),
+        info::<mark_slots::MarkSlots>(),
         info::<measure_drift::MeasureDrift>(),
         info::<pack_points::PackPoints>(),
         info::<positional_update::PositionalUpdate>(),

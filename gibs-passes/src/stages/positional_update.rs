@@ -46,7 +46,7 @@ pub fn radius_at(
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.settings.capacity) {
+    for i in group.range(p.poses.len() as u32) {
         let pose = p.poses.get(i);
         if pose.radius <= 0.0 {
             continue;

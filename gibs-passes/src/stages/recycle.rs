@@ -58,8 +58,8 @@ fn choose(
         grid: p.grid,
         settings: p.settings,
     };
-    let used = p.counters[0].live as f32 / p.settings.capacity as f32;
-    for i in group.range(p.settings.capacity) {
+    let used = p.counters[0].live as f32 / p.settings.capacity.max(1) as f32;
+    for i in group.range(p.gone.len() as u32) {
         let pose = &p.poses[i];
         let mut gone = 0;
         if pose.radius > 0.0 {

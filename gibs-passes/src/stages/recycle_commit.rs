@@ -19,5 +19,6 @@ stage! {
 fn kernel(p: &Views<'_>, _: Workgroup) {
     let mut counters = p.counters.get(0);
     counters.live -= p.total[0];
+    counters.recycled = counters.recycled.wrapping_add(p.total[0]);
     p.counters.set(0, counters);
 }

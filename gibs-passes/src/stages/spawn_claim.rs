@@ -1,5 +1,5 @@
 //! `spawn/spawn_claim`: a free slot for each birth (S4).
-use crate::data::{Frame, NONE, SurfelCounters};
+use crate::data::{Frame, NONE, SurfelCounters, SurfelSettings};
 use crate::shared::hash;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
@@ -13,6 +13,7 @@ stage! {
         workgroup: [64, 1, 1],
         ports: {
             uniform frame: Frame,
+            uniform settings: SurfelSettings,
             read candidates: u32,
             read ranks: u32,
             read total: u32,
@@ -31,7 +32,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let first = hash::hash2(p.frame.number, p.frame.seed) % p.total[0].max(1);
         let rank = (p.ranks[tile] + first) % p.total[0].max(1);
         let slot = p.counters[0].live as usize + rank as usize;
-        let claim = if candidate != NONE && slot < p.free_slots.len() {
+        let claim = if candidate != NONE && slot < p.settings.capacity as usize {
             UVec2::new(p.free_slots[slot], candidate)
         } else {
             UVec2::new(NONE, NONE)

@@ -3,7 +3,7 @@ use crate::data::{SurfelCounters, SurfelSettings};
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Takes the claimed slots off the stack and counts births that found none.
+    /// Takes the claimed slots off the stack, and counts births and those that found no slot.
     pub stage SpawnCommit {
         wgsl: gibs_shaders::stages::SPAWN_COMMIT,
         workgroup: [1, 1, 1],
@@ -22,6 +22,7 @@ fn kernel(p: &Views<'_>, _: Workgroup) {
     let wanted = p.total[0];
     let born = wanted.min(p.settings.capacity - counters.live);
     counters.live += born;
+    counters.born = counters.born.wrapping_add(born);
     counters.starved = counters.starved.wrapping_add(wanted - born);
     p.counters.set(0, counters);
 }

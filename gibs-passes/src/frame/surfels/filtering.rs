@@ -18,7 +18,7 @@ pub(super) fn filter(
     offsets: &Buffer<u32>,
     radiance: &Buffer<Vec4>,
 ) -> Surfels {
-    let capacity = u64::from(settings.surfels);
+    let capacity = surfels.poses.len();
     let neighbours = settings.sharing.then(|| {
         let neighbours = g.transient("neighbours", capacity);
         let inputs = share_irradiance::Inputs {

@@ -1,4 +1,5 @@
 //! The surfel frame, in the order of the talk's frame overview.
+mod check;
 mod debug;
 mod filtering;
 mod grid;
@@ -103,7 +104,7 @@ struct SurfelStates {
 
 impl Surfels {
     fn declare(g: &mut Graph, settings: &Settings) -> (SurfelStates, Self) {
-        let capacity = u64::from(settings.surfels);
+        let capacity = settings.slots();
         let (births_state, births) = g.state("surfel_births", capacity, Initial::Zero);
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
@@ -174,7 +175,8 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many surfels send), `rays_1`, `rays_2` and so on
-/// (how many paths go on beyond a hit for the first, the second time), `counters` and `overflow`; with queries also
+/// (how many paths go on beyond a hit for the first, the second time), `counters` and `overflow`; with `check_slots`,
+/// `slot_errors`; with the firefly clamp, `clamped`; with queries also
 /// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
 /// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on
 /// with.
@@ -183,7 +185,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let scene = SceneInputs::declare(g, sizes);
     let device_settings: Buffer<SurfelSettings> = g.input("settings", 1);
     let shape = g.input("grid", 1);
-    let capacity = u64::from(settings.surfels);
+    let capacity = settings.slots();
     let per_point = settings.lights_per_point(sizes.lights());
     let (states, surfels) = Surfels::declare(g, settings);
     let counters = g.state("surfel_counters", 1, Initial::Zero);
@@ -282,6 +284,10 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
             &surfels,
             per_point,
         );
+    }
+    if settings.check_slots {
+        let free = &slots.free;
+        check::check_slots(g, &device_settings, &surfels, &counters_last, free);
     }
     g.output("counters", &counters_last);
     g.output("overflow", &grid.overflow);

@@ -20,7 +20,7 @@ pub(super) fn integrate_rays(
     settings: &Settings,
     per_point: u32,
 ) -> (Surfels, Buffer<u32>, Option<HitGaps>) {
-    let capacity = u64::from(settings.surfels);
+    let capacity = surfels.poses.len();
     let budget = u64::from(settings.rays).max(1);
     let requests = g.transient("ray_requests", capacity);
     let inputs = request_rays::Inputs {
@@ -43,6 +43,7 @@ pub(super) fn integrate_rays(
     let allocated = g.add::<allocate_rays::AllocateRays>(
         "persistent/allocate_rays",
         allocate_rays::Inputs {
+            frame: &scene.frame,
             settings: device_settings,
             scanned: &scanned,
             total: &total,

@@ -84,6 +84,7 @@ pub(super) fn bear(
             &format!("{label}/claim"),
             spawn_claim::Inputs {
                 frame: &scene.frame,
+                settings,
                 candidates: &wanted.candidates,
                 ranks: &ranks,
                 total: &total,

@@ -1,0 +1,112 @@
+//! What the commands share that run many frames: `stress` and `roam`.
+use super::CommandError;
+use super::output::warning;
+use super::scene::{Loaded, SceneArgs};
+use crate::measure::FrameRow;
+use crate::picture::{WriteError, ensure_writable};
+use crate::{Counters, Renderer};
+use gibs_graph::Backend;
+use gibs_passes::frame::Settings;
+use serde::Serialize;
+use std::path::Path;
+
+/// A scene that is ready to run, with the check of slots.
+pub(super) fn prepare(
+    backend: &dyn Backend,
+    loaded: &Loaded,
+    settings: &Settings,
+    seed: u32,
+) -> Result<Renderer, CommandError> {
+    let settings = Settings {
+        check_slots: true,
+        ..settings.clone()
+    };
+    let renderer = Renderer::new(
+        backend,
+        &loaded.scene,
+        &loaded.view,
+        loaded.size,
+        &settings,
+        seed,
+    )?;
+    for warning in renderer.warnings() {
+        warning!("{warning}");
+    }
+    Ok(renderer)
+}
+
+/// Makes the folder of a report and sees that its table can be written.
+pub(super) fn prepare_folder(folder: &Path, table: &str) -> Result<(), WriteError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
+        path: folder.to_owned(),
+        source,
+    })?;
+    ensure_writable(&folder.join(table))
+}
+
+/// What happened to the surfels over a run.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Totals {
+    pub surfels: u32,
+    pub most_live: u32,
+    pub births: u64,
+    pub recycled: u64,
+    pub starved: u64,
+    pub grid_overflow: u64,
+    /// Over all frames, so that one that lasts counts in each.
+    pub slot_errors: u64,
+}
+
+impl Totals {
+    pub fn of<'a>(surfels: u32, rows: impl Iterator<Item = &'a FrameRow>) -> Self {
+        let mut totals = Self {
+            surfels,
+            ..Self::default()
+        };
+        for row in rows {
+            totals.most_live = totals.most_live.max(row.live);
+            totals.births += u64::from(row.births);
+            totals.recycled += u64::from(row.recycled);
+            totals.starved += u64::from(row.starved);
+            totals.grid_overflow += u64::from(row.grid_overflow);
+            totals.slot_errors += u64::from(row.slot_errors.unwrap_or_default());
+        }
+        totals
+    }
+
+    /// Says what ran out, and fails where slots are wrong.
+    pub fn judge(&self) -> Result<(), CommandError> {
+        warn_shortage(self.starved, self.grid_overflow);
+        match self.slot_errors {
+            0 => Ok(()),
+            errors => Err(CommandError::Slots { errors }),
+        }
+    }
+}
+
+/// Warns of what ran out, with the setting to raise.
+pub(super) fn warn_shortage(starved: u64, overflow: u64) {
+    if starved > 0 {
+        warning!("{starved} births found no free surfel; raise `surfels`");
+    }
+    if overflow > 0 {
+        warning!("{overflow} entries did not fit the grid; raise `grid_lists`");
+    }
+}
+
+/// The median of some numbers, 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// How a scene is called in titles: a built-in one's name, a file's stem.
+pub(super) fn title(args: &SceneArgs) -> String {
+    let stem = Path::new(&args.scene).file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// As [`warn_shortage`], of the counters of a renderer.
+pub(super) fn warn_of(counters: &Counters) {
+    warn_shortage(counters.starved.into(), counters.overflow.into());
+}

@@ -1,0 +1,258 @@
+//! `gibs stress`: from an empty cache to converged.
+use super::CommandError;
+use super::output::{progress, say};
+use super::run::{Totals, median, prepare, prepare_folder, title};
+use super::scene::{SceneArgs, TechniqueArgs};
+use crate::backends::{self, Choice};
+use crate::measure::{
+    Stress, StressError, StressRow, converged_from, csv, group_plot, or_empty, plot_of, stress,
+};
+use crate::picture::{Picture, replace_file};
+use crate::plot::Axis;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Measure how soon light converges from an empty cache, and what that costs
+///
+/// The stress test of the talk: from no surfel to converged. Surfels have no far plane and rays no longest distance.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Ray budgets of a frame; each is a run of its own [default: 100000]
+    #[arg(long, value_name = "N,..", value_delimiter = ',')]
+    rays: Vec<u32>,
+    #[command(flatten)]
+    settings: TechniqueArgs,
+    /// auto, cpu, wgpu or vulkan
+    #[arg(long, default_value = "auto")]
+    backend: Choice,
+    /// Frames of a run
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    frames: u32,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// The truth (OpenEXR) to measure the error against, at its pixels' centres [default: the last frame of the run]
+    #[arg(long, value_name = "REF.exr")]
+    truth: Option<PathBuf>,
+    /// Block error from which on the light counts as converged, once it stays below
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0, value_parser = percent)]
+    converged: f64,
+    /// Write plots, and every frame as stress.csv, into this folder
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Print JSON, with every frame
+    #[arg(long)]
+    json: bool,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("give a percentage above zero".into()),
+    }
+}
+
+/// The run of one budget.
+#[derive(Debug, Serialize)]
+struct Run {
+    backend: String,
+    device: String,
+    size: [u32; 2],
+    budget: u32,
+    /// What the error is against.
+    against: String,
+    converged: Option<Converged>,
+    totals: Totals,
+    #[serde(flatten)]
+    stress: Stress,
+}
+
+/// Where the error stays below the limit.
+#[derive(Debug, Serialize)]
+struct Converged {
+    /// Frames that had to run.
+    frames: usize,
+    /// Their time, from the start of each until the device was done.
+    seconds: f64,
+}
+
+/// The file in the folder of a report that has all figures.
+const TABLE: &str = "stress.csv";
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), CommandError> {
+    let settings = args.settings.load(None)?;
+    let mut budgets = Vec::new();
+    for budget in &args.rays {
+        let mut settings = settings.clone();
+        settings.set("rays", &budget.to_string())?;
+        budgets.push(settings);
+    }
+    if budgets.is_empty() {
+        budgets.push(settings);
+    }
+    if let Some(folder) = &args.report {
+        prepare_folder(folder, TABLE)?;
+    }
+    let truth = args
+        .truth
+        .as_ref()
+        .map(|path| Picture::read_exr(path))
+        .transpose()?;
+    let backend = backends::open(args.backend)?;
+    let loaded = args.scene.load()?;
+    let mut runs = Vec::new();
+    for settings in &budgets {
+        let mut renderer = prepare(backend.as_ref(), &loaded, settings, args.seed)?;
+        let bar = progress(u64::from(args.frames), "rendering");
+        let done = stress(&mut renderer, args.frames, truth.as_ref(), || bar.inc(1));
+        bar.finish_and_clear();
+        let stress = done.map_err(|error| match (error, &args.truth) {
+            (StressError::Compare(source), Some(truth)) => CommandError::Truth {
+                truth: truth.clone(),
+                source,
+            },
+            (error, _) => error.into(),
+        })?;
+        let errors = stress.rows.iter().map(|row| row.error);
+        let converged = converged_from(errors, args.converged / 100.0).map(|first| Converged {
+            frames: first + 1,
+            seconds: stress.rows[..=first]
+                .iter()
+                .map(|row| row.frame.ms)
+                .sum::<f64>()
+                * 1e-3,
+        });
+        let run = Run {
+            backend: backend.name().into(),
+            device: backend.device().name.clone(),
+            size: loaded.size,
+            budget: settings.rays,
+            against: match &args.truth {
+                Some(truth) => truth.display().to_string(),
+                None => "the last frame".into(),
+            },
+            converged,
+            totals: Totals::of(settings.surfels, stress.rows.iter().map(|row| &row.frame)),
+            stress,
+        };
+        if !args.json {
+            say!("{}", table(&run, args));
+        }
+        runs.push(run);
+    }
+    if let Some(folder) = &args.report {
+        write(folder, &title(&args.scene), &runs, args)?;
+    }
+    if args.json {
+        say!(
+            "{}",
+            serde_json::to_string_pretty(&runs).unwrap_or_default()
+        );
+    }
+    runs.iter().try_for_each(|run| run.totals.judge())
+}
+
+fn table(run: &Run, args: &Args) -> String {
+    let rows = &run.stress.rows;
+    let [width, height] = run.size;
+    let mut text = format!(
+        "{} on {} ({}): {width}x{height}, {} rays a frame, no far plane\n",
+        args.scene.scene, run.backend, run.device, run.budget
+    );
+    let limit = args.converged;
+    text += &match &run.converged {
+        Some(at) => format!(
+            "converged after {} frames, {:.2} s: from there on the block error against {} stays below {limit} %\n",
+            at.frames, at.seconds, run.against
+        ),
+        None => format!(
+            "not converged after {} frames: the block error against {} does not stay below {limit} %\n",
+            rows.len(),
+            run.against
+        ),
+    };
+    let totals = &run.totals;
+    text += &format!(
+        "{} births, {} starved; most live {} of {}; {} slot errors\n",
+        totals.births, totals.starved, totals.most_live, totals.surfels, totals.slot_errors
+    );
+    text += "\n frames      error    MAPE    live  births  frame ms";
+    for group in &run.stress.groups {
+        text += &format!(" {group:>10}");
+    }
+    // Stretches that double: most happens at the beginning.
+    let (mut first, mut length) = (0, 1);
+    while first < rows.len() {
+        let part = &rows[first..(first + length).min(rows.len())];
+        text += &("\n".to_owned() + &line(part, run.stress.groups.len()));
+        first += part.len();
+        length = first;
+    }
+    text + "\n"
+}
+
+/// Some frames: error and surfels after the last, medians of times, births in all.
+fn line(part: &[StressRow], groups: usize) -> String {
+    let Some(last) = part.last() else {
+        return String::new();
+    };
+    let percent = |value: Option<f64>| match value {
+        Some(value) => format!("{:6.2} %", value * 100.0),
+        None => "       -".into(),
+    };
+    let births: u64 = part.iter().map(|row| u64::from(row.frame.births)).sum();
+    let mut text = format!(
+        "{:>7}   {} {} {:>7} {births:>7} {:>9.1}",
+        last.frame.frame + 1,
+        percent(last.error),
+        percent(last.mape),
+        last.frame.live,
+        median(part.iter().map(|row| row.frame.ms).collect()),
+    );
+    for group in 0..groups {
+        let times = part.iter().filter_map(|row| row.frame.groups_ms.get(group));
+        text += &format!(" {:>10.2}", median(times.copied().collect()));
+    }
+    text
+}
+
+fn write(folder: &Path, scene: &str, runs: &[Run], args: &Args) -> Result<(), CommandError> {
+    let Some(first) = runs.first() else {
+        return Ok(());
+    };
+    let rows = runs.iter().flat_map(|run| {
+        run.stress.rows.iter().map(|row| {
+            let after = [row.error, row.mape].map(or_empty);
+            (vec![run.budget.to_string()], &row.frame, after.to_vec())
+        })
+    });
+    let text = csv(&first.stress.groups, &["budget"], &["error", "mape"], rows);
+    replace_file(&folder.join(TABLE), text.as_bytes())?;
+    for run in runs {
+        let title = format!(
+            "{scene}: cost from an empty cache, {} rays a frame",
+            run.budget
+        );
+        let frames = run.stress.rows.iter().map(|row| &row.frame);
+        let plot = group_plot(&title, &run.stress.groups, frames);
+        let name = format!("cost-{}.svg", run.budget);
+        replace_file(&folder.join(name), plot.svg().as_bytes())?;
+    }
+    let curve = |run: &Run| {
+        let point = |row: &StressRow| Some([f64::from(row.frame.frame + 1), row.error? * 100.0]);
+        let points = run.stress.rows.iter().filter_map(point).collect();
+        (format!("{} rays", run.budget), points)
+    };
+    let against = match args.truth {
+        Some(_) => "the truth",
+        None => "the last frame",
+    };
+    let title = format!("{scene}: error from an empty cache");
+    let axis = Axis::log(format!("block error against {against}, %"));
+    let plot = plot_of(&title, axis, runs.iter().map(curve).collect());
+    replace_file(&folder.join("error.svg"), plot.svg().as_bytes())?;
+    Ok(())
+}
