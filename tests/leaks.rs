@@ -1,4 +1,5 @@
 //! Light stays where it is: what no light can reach stays dark beside what is lit, and what it can reach stays lit.
+#[allow(dead_code, reason = "the example also writes the pictures")]
 #[path = "../examples/shared/leak.rs"]
 mod leak;
 
@@ -9,6 +10,7 @@ use gibs::builtin::{SEALED, SealedCase, colonnade};
 use gibs::passes::frame::Settings;
 use gibs::picture::Picture;
 use gibs::reference::{ReferenceOptions, reference};
+use glam::DVec3;
 use leak::{Leak, Work, levels, measure};
 
 /// A quarter of the pixels and of the rays of 480x270. The radius of a surfel is fixed by their number, not by that of the
@@ -26,14 +28,15 @@ fn case(name: &str) -> &'static SealedCase {
     SEALED.iter().find(|case| case.name == name).expect(name)
 }
 
-fn look(name: &str, settings: &Settings) -> Leak {
+fn look(case: &SealedCase, settings: &Settings) -> Leak {
+    let name = case.name;
     let work = Work {
         settings,
         size: SIZE,
         frames: 64,
         seed: 0,
     };
-    let leak = measure(cpu().as_ref(), case(name), &work).expect("renders");
+    let leak = measure(cpu().as_ref(), case, &work).expect("renders");
     println!(
         "{name}: bright side {:.3} W/m^2; dark side over that: mean {:.4} %, p99 {:.4} %, most {:.2} %",
         leak.bright_mean,
@@ -46,41 +49,61 @@ fn look(name: &str, settings: &Settings) -> Leak {
 
 /// On the dark side, irradiance is at most 0.1 % of the bright side's mean on average, and at most 1 % in 99 of 100
 /// pixels.
-fn stays_dark(name: &str) {
-    let leak = look(name, &settings());
+fn stays_dark(case: &SealedCase) -> Leak {
+    let name = case.name;
+    let leak = look(case, &settings());
     assert!(leak.bright_mean > 0.5, "the bright side is lit");
     assert!(leak.mean <= 0.001, "{name}: mean {}", leak.mean);
     assert!(leak.p99 <= 0.01, "{name}: p99 {}", leak.p99);
+    leak
 }
 
 #[test]
 fn a_room_behind_ten_centimetres_stays_dark() {
-    stays_dark("rooms-10cm");
+    stays_dark(case("rooms-10cm"));
 }
 
 #[test]
 fn a_room_behind_a_millimetre_stays_dark() {
-    stays_dark("rooms-1mm");
+    stays_dark(case("rooms-1mm"));
 }
 
 #[test]
 fn a_room_across_an_edge_stays_dark() {
-    stays_dark("edge");
+    stays_dark(case("edge"));
 }
 
 #[test]
 fn a_hall_behind_pillars_and_partitions_stays_dark() {
-    stays_dark("pillars");
+    stays_dark(case("pillars"));
 }
 
 #[test]
 fn a_hall_around_a_corner_stays_dark() {
-    stays_dark("bend");
+    stays_dark(case("bend"));
 }
 
 #[test]
 fn a_thin_box_stays_dark_inside() {
-    stays_dark("box");
+    stays_dark(case("box"));
+}
+
+/// Surfels grow as the camera moves away from them: from half a metre beside the partition to four metres on its other side,
+/// by eight times. What their depth functions knew within the old diameter still holds. Distances that kept their share of the
+/// diameter would let six times as much through, 0.024 %.
+#[test]
+fn surfels_that_grow_stay_on_their_side() {
+    let leak = stays_dark(&SealedCase {
+        name: "pillars, filled from nearby",
+        about: "",
+        make: || {
+            let (scene, mut bright, dark) = (case("pillars").make)();
+            bright.camera.position = DVec3::new(-0.5, 1.6, 1.2);
+            bright.camera.target = DVec3::new(0.0, 0.0, 0.7);
+            (scene, bright, dark)
+        },
+    });
+    assert!(leak.mean <= 0.0001, "mean {}", leak.mean);
 }
 
 /// The bounds above would hold for a scene whose two sides are far apart; here is what they guard against: bright spots along
@@ -91,7 +114,7 @@ fn without_depth_functions_light_leaks() {
         depth: false,
         ..settings()
     };
-    let leak = look("bend", &settings);
+    let leak = look(case("bend"), &settings);
     assert!(leak.most > 0.05, "the brightest pixel has {}", leak.most);
 }
 
@@ -105,7 +128,7 @@ fn the_dark_sides_are_dark_in_truth() {
             samples: 32,
             seed: 0,
         };
-        let mut at = |view| {
+        let at = |view| {
             let (picture, _) =
                 reference(cpu().as_ref(), &scene, view, &options, |_, _| {}).expect("renders");
             levels(&picture).expect("E")
@@ -118,22 +141,23 @@ fn the_dark_sides_are_dark_in_truth() {
 }
 
 /// What keeps light out must not eat light: in the hall of `pillars` without its partitions, mean irradiance around pillars,
-/// columns and fins is the reference's within 2 %, in the part that light reaches between the pillars, and also within 10 cm of
-/// where they stand. The reference's 256 samples leave a standard error of the means of about 0.2 and 0.5 %.
+/// columns and fins is the reference's within 2 %, in the part that light reaches between the pillars, and also within 20 cm of
+/// where they stand. The reference's 256 samples leave a standard error of the means of about 0.1 and 0.5 %.
 #[test]
 fn light_passes_between_pillars() {
     let (scene, _, dim) = colonnade();
     let backend = cpu();
     let options = ReferenceOptions {
-        size: [120, 68],
+        size: [160, 90],
         samples: 256,
         seed: 0,
     };
     let (truth, certainty) =
         reference(backend.as_ref(), &scene, &dim, &options, |_, _| {}).expect("renders");
-    let size = options.size.map(|side| 2 * side);
-    let ours = common::render(backend.as_ref(), &(scene, dim), size, 96, &settings(), 0);
-    for (where_, near) in [("everywhere", f32::MAX), ("near contacts", 0.1)] {
+    let settings = Settings::default();
+    let view = (scene, dim);
+    let ours = common::render(backend.as_ref(), &view, options.size, 96, &settings, 0);
+    for (where_, near) in [("everywhere", f32::MAX), ("near contacts", 0.2)] {
         let (is, should) = (mean_near(&ours, near), mean_near(&truth, near));
         println!(
             "{where_}: {is:.4} W/m^2, reference {should:.4}: {:+.2} % (standard error of a pixel {:.1} %)",
