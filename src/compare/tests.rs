@@ -309,7 +309,7 @@ fn the_layer_is_chosen() {
         .unwrap();
     let options = CompareOptions {
         layer: FINAL_IMAGE.to_owned(),
-        exposure: None,
+        ..CompareOptions::default()
     };
     close(compare(&ours, &truth, &options).unwrap().metrics.bias, 0.5);
     close(run(&ours, &truth).metrics.bias, 0.0);
