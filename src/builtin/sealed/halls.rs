@@ -79,7 +79,7 @@ pub(super) fn bend() -> (Scene, View, View) {
     let (mut a, paints) = hall("sealed-bend", FAR, [-FAR / 2.0, -FAR / 2.0]);
     let (half, end) = (THIN / 2.0, FAR + SUNK);
     // Each goes on into the other, a little less far than its face, so that no two faces coincide.
-    let within = 0.6 * half;
+    let within = 0.2 * half;
     for (low, high) in [
         ([-half, -within], [half, end]),
         ([-within, -half], [end, half]),
