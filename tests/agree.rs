@@ -2,9 +2,9 @@
 mod common;
 
 use common::{all_backends, render, settings};
-use gibs::builtin;
 use gibs::compare::{CompareOptions, compare};
 use gibs::picture::{FINAL_IMAGE, Picture};
+use gibs::{Renderer, builtin};
 
 fn flip(a: &Picture, b: &Picture) -> f64 {
     let options = CompareOptions {
@@ -59,4 +59,33 @@ fn backends_agree_on_the_cornell_box() {
 #[test]
 fn backends_agree_on_the_atrium() {
     agree("atrium", [96, 54]);
+}
+
+/// A camera that backs away lets every surfel grow, and its depth function with it; one that comes near, the reverse.
+#[test]
+fn backends_agree_while_surfels_grow_and_shrink() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let pictures = all_backends().into_iter().map(|backend| {
+        let settings = settings(8_000);
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [96, 96], &settings, 0)
+            .unwrap_or_else(|e| panic!("{}: {e}", backend.name()));
+        for frame in 0..32_u32 {
+            let mut camera = view.camera;
+            let back = 1.0 + 0.5 * f64::from(16 - frame.abs_diff(16)) / 16.0;
+            camera.position = camera.target + (camera.position - camera.target) * back;
+            renderer.set_camera(camera);
+            renderer.frame().expect("renders");
+        }
+        (
+            backend.name().to_string(),
+            renderer.picture().expect("renders"),
+        )
+    });
+    let pictures: Vec<(String, Picture)> = pictures.collect();
+    let (_, ours) = pictures.last().expect("the CPU backend");
+    for (name, picture) in &pictures {
+        let difference = flip(picture, ours);
+        println!("FLIP between {name} and the last backend {difference:.5}");
+        assert!(difference <= 0.002, "{name}: {difference}");
+    }
 }

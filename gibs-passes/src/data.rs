@@ -480,7 +480,7 @@ element! {
 }
 
 impl SurfelDepth {
-    /// Both moments one, the diameter, in every direction: hides nothing.
+    /// Nothing known in any direction: both moments one, the diameter, so that it hides nothing.
     pub const OPEN: Self = Self {
         texels: [u32::MAX; 16],
     };

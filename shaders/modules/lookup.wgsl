@@ -25,6 +25,12 @@ const LOOKUP_CHEBYSHEV_FLOOR: f32 = 0.6;
 /// One step of a moment.
 const LOOKUP_MOMENT_SCALE: f32 = 1.0 / 65535.0;
 
+/// The farthest distance that a ray teaches, in diameters: one step below one, so that a texel that has learned from a ray
+/// differs from `LOOKUP_UNKNOWN`.
+const LOOKUP_FARTHEST: f32 = 65534.0 / 65535.0;
+/// A texel that no ray has reached: both moments one, so that it hides nothing.
+const LOOKUP_UNKNOWN: u32 = 0xffffffffu;
+
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
 fn lookup_steps(texel: u32) -> vec2<f32> {
     return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u));
@@ -38,6 +44,18 @@ fn lookup_moments(texel: u32) -> vec2<f32> {
 /// Moments in a texel, each in `[0, 1]`.
 fn lookup_pack_moments(m: vec2<f32>) -> u32 {
     return surface_unorm16(m.x) | (surface_unorm16(m.y) << 16u);
+}
+
+/// A texel of a depth function over another diameter, which is that of before over `shrinks`; `squared` is its square.
+fn lookup_rescaled(texel: u32, shrinks: f32, squared: f32) -> u32 {
+    if texel == LOOKUP_UNKNOWN {
+        return LOOKUP_UNKNOWN;
+    }
+    let m = lookup_moments(texel);
+    return lookup_pack_moments(vec2<f32>(
+        min(m.x * shrinks, LOOKUP_FARTHEST),
+        min(m.y * squared, LOOKUP_FARTHEST),
+    ));
 }
 
 /// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the

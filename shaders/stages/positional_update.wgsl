@@ -1,10 +1,11 @@
 // Surfels follow the surfaces that they were born on, and their radius follows the camera.
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
+@if(depths) import package::lookup::lookup_rescaled;
 import package::octahedral::octahedral_unpack;
 import package::surfel::surfel_radius_at;
 import package::types::{
-    Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform
+    Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
 };
 import package::vector::vector_normalize;
 
@@ -15,6 +16,19 @@ import package::vector::vector_normalize;
 @group(0) @binding(4) var<storage, read> transforms: array<Transform>;
 @group(0) @binding(5) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(6) var<storage, read_write> unseen: array<u32>;
+@if(depths) @group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+
+/// The depth function follows the radius, over twice which its distances are.
+@if(depths)
+fn rescale_depths(surfel: u32, shrinks: f32) {
+    let squared = shrinks * shrinks;
+    for (var texel = 0u; texel < 16u; texel++) {
+        depths[surfel].texels[texel] = lookup_rescaled(depths[surfel].texels[texel], shrinks, squared);
+    }
+}
+@else
+fn rescale_depths(surfel: u32, shrinks: f32) {}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -39,5 +53,8 @@ fn main(
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
     let radius = surfel_radius_at(position, births[i].clearance, camera, grid, settings);
+    if radius != pose.radius {
+        rescale_depths(i, pose.radius / radius);
+    }
     poses[i] = SurfelPose(position, radius, normal, pose.identity);
 }

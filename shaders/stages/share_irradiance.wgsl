@@ -29,8 +29,9 @@ fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
 }
 
 fn ask(own: u32) -> Neighbours {
-    let point = poses[own].position;
-    let normal = poses[own].normal;
+    let own_pose = poses[own];
+    let point = own_pose.position;
+    let normal = own_pose.normal;
     let cell = cells[grid_cell(point, grid)];
     let count = min(cell.y, settings.lookup);
     var mean = vec3<f32>(0.0);
@@ -56,6 +57,8 @@ fn ask(own: u32) -> Neighbours {
             continue;
         }
         weight *= visible_share(id, pose, d);
+        // A wall between the two may be known to only one of them.
+        weight *= visible_share(own, own_pose, pose.position - point);
         let age = frame.number - state.since;
         let variance = sharing_mean_variance(state);
         ray_variance += weight * state.variance;

@@ -9,7 +9,7 @@ import package::types::{
     Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform
 };
-import package::vector::{vector_dot, vector_normalize};
+import package::vector::{vector_dot, vector_length, vector_normalize};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -36,7 +36,8 @@ fn open_depth_function(slot: u32) {}
 /// Sine of the angle from which on a surface counts as rising above a surfel.
 const RISES: f32 = 0.25;
 
-/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres.
+/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres:
+/// to its plane, but at most the width of a pixel less than to the pixel.
 fn clearance_of(pixel: u32, normal: vec3<f32>) -> f32 {
     let at = vec2<u32>(pixel % camera.width, pixel / camera.width);
     let reach = u32(2.0 * settings.radius_pixels);
@@ -54,11 +55,13 @@ fn clearance_of(pixel: u32, normal: vec3<f32>) -> f32 {
             let squared = vector_dot(d, d);
             let h = vector_dot(d, normal);
             if h > 0.0 && h * h > RISES * RISES * squared {
-                nearest = min(nearest, squared);
+                let across = abs(vector_dot(octahedral_unpack(point.geometric_normal), d));
+                let pixel_width = camera.pixel_angle * vector_length(point.position - camera.eye);
+                nearest = min(nearest, max(across, sqrt(squared) - pixel_width));
             }
         }
     }
-    return sqrt(nearest);
+    return nearest;
 }
 
 @compute @workgroup_size(64)

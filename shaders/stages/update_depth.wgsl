@@ -1,6 +1,8 @@
 // Distances of rays into the depth function of the surfels that they began on.
 import package::invocation::invocation_index;
-import package::lookup::{LOOKUP_DEPTH_SIDE, lookup_moments, lookup_pack_moments};
+import package::lookup::{
+    LOOKUP_DEPTH_SIDE, LOOKUP_FARTHEST, LOOKUP_UNKNOWN, lookup_moments, lookup_pack_moments
+};
 import package::octahedral::octahedral_hemisphere_encode;
 import package::sampling::sampling_to_local;
 import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
@@ -39,15 +41,19 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
     let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
     // Compared before it is divided: the distance of a miss over the diameter would overflow.
-    var t = 1.0;
+    var t = LOOKUP_FARTHEST;
     let distance = hits[place_of(ray)].t;
     if distance < diameter {
-        t = distance / diameter;
+        t = min(distance / diameter, LOOKUP_FARTHEST);
     }
     let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
-    let old = lookup_moments(depths[surfel].texels[texel]);
-    let new_moments = old + (vec2<f32>(t, t * t) - old) * blend;
-    depths[surfel].texels[texel] = lookup_pack_moments(new_moments);
+    let before = depths[surfel].texels[texel];
+    var learned = vec2<f32>(t, t * t);
+    if before != LOOKUP_UNKNOWN {
+        let old = lookup_moments(before);
+        learned = old + (learned - old) * blend;
+    }
+    depths[surfel].texels[texel] = lookup_pack_moments(learned);
 }
 
 @compute @workgroup_size(64)

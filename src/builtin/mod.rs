@@ -14,7 +14,7 @@ mod tests;
 mod window_room;
 
 pub use furnace::furnace;
-pub use sealed::{SEALED_ROOMS_WALL, sealed_rooms};
+pub use sealed::{SEALED, SEALED_ROOMS_WALL, SealedCase, colonnade, sealed_rooms};
 
 use crate::view::View;
 use gibs_passes::scene::Scene;

@@ -264,6 +264,30 @@ fn no_two_faces_coincide() {
         let found = coincident(&scene, 2e-4);
         assert!(found.is_empty(), "{name}: {found:#?}");
     }
+    for case in SEALED {
+        let (scene, ..) = (case.make)();
+        let found = coincident(&scene, 2e-4);
+        assert!(found.is_empty(), "{}: {found:#?}", case.name);
+    }
+}
+
+#[test]
+fn sealed_buildings_are_ten_metres_across_and_sound() {
+    let (open, ..) = colonnade();
+    let sealed = SEALED.map(|case| (case.make)().0);
+    for mut scene in sealed.into_iter().chain([open]) {
+        let notes = scene.validate().expect("sound");
+        assert!(notes.is_empty(), "{}: {notes:?}", scene.name);
+        let points = triangles(&scene).into_iter().flatten();
+        let (low, high) = points.fold((f64::MAX, f64::MIN), |(low, high), p| {
+            (low.min(p.x), high.max(p.x))
+        });
+        assert!(
+            (high - low - 10.0).abs() < 1e-5,
+            "{}: {low} to {high}",
+            scene.name
+        );
+    }
 }
 
 #[test]

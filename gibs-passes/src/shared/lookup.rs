@@ -48,6 +48,13 @@ pub const CHEBYSHEV_FLOOR: f32 = 0.6;
 /// One step of a moment.
 pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
 
+/// The farthest distance that a ray teaches, in diameters: one step below one, so that a texel that has learned from a ray
+/// differs from [`UNKNOWN`].
+pub const FARTHEST: f32 = 65_534.0 / 65_535.0;
+
+/// A texel that no ray has reached: both moments one, so that it hides nothing.
+pub const UNKNOWN: u32 = u32::MAX;
+
 /// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
 #[inline]
 fn steps(texel: u32) -> Vec2 {
@@ -64,6 +71,25 @@ pub fn moments(texel: u32) -> Vec2 {
 #[inline]
 pub fn pack_moments(m: Vec2) -> u32 {
     super::surface::unorm16(m.x) | (super::surface::unorm16(m.y) << 16)
+}
+
+/// A depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing is
+/// known beyond the diameter of before, and what was open to there counts as hidden beyond until rays tell.
+#[inline]
+pub fn rescaled(depth: &SurfelDepth, shrinks: f32) -> SurfelDepth {
+    let squared = shrinks * shrinks;
+    SurfelDepth {
+        texels: depth.texels.map(|texel| {
+            if texel == UNKNOWN {
+                return UNKNOWN;
+            }
+            let m = moments(texel);
+            pack_moments(Vec2::new(
+                (m.x * shrinks).min(FARTHEST),
+                (m.y * squared).min(FARTHEST),
+            ))
+        }),
+    }
 }
 
 /// Moments of the depth function in a direction of the surfel's frame, bilinear.
@@ -283,6 +309,27 @@ mod tests {
         assert_eq!(chebyshev(m, 0.9), 0.0);
         // Zero variance never divides by zero.
         assert!(chebyshev(Vec2::new(0.5, 0.25), 0.5 + 1e-6).is_finite());
+    }
+
+    /// A wall at 0.3 of the diameter is at 0.6 of one half as long, and what was open stays open; over one twice as long, nothing
+    /// is known beyond the half.
+    #[test]
+    fn depth_functions_follow_the_diameter() {
+        let mut depth = SurfelDepth::OPEN;
+        depth.texels[0] = pack_moments(Vec2::new(0.3, 0.09));
+        depth.texels[1] = pack_moments(Vec2::splat(FARTHEST));
+        let close = |texel: u32, m: Vec2| (moments(texel) - m).abs().max_element() < 1e-4;
+        let shrunk = rescaled(&depth, 2.0);
+        assert!(close(shrunk.texels[0], Vec2::new(0.6, 0.36)));
+        assert!(close(shrunk.texels[1], Vec2::ONE));
+        let grown = rescaled(&depth, 0.5);
+        assert!(close(grown.texels[0], Vec2::new(0.15, 0.0225)));
+        assert!(close(grown.texels[1], Vec2::new(0.5, 0.25)));
+        // What no ray has reached stays so, and nothing else looks like it.
+        for rescaled in [shrunk, grown] {
+            let unknown = rescaled.texels.map(|texel| texel == UNKNOWN);
+            assert_eq!(unknown.iter().filter(|&&u| u).count(), 14);
+        }
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! `persistent/positional_update`: surfels follow the surfaces that they were born on (S5), and their radius follows
 //! the camera (S8).
 use super::resolve_hits::{map_point, map_transposed};
-use crate::data::{Camera, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
-use crate::shared::{grid, octahedral};
+use crate::data::{
+    Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
+};
+use crate::shared::{grid, lookup, octahedral};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
 stage! {
     /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
-    /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in.
+    /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in. The depth
+    /// function, whose distances are over the diameter, follows the radius.
     pub stage PositionalUpdate {
         wgsl: gibs_shaders::stages::POSITIONAL_UPDATE,
         workgroup: [64, 1, 1],
@@ -20,6 +23,7 @@ stage! {
             read transforms: Transform,
             read_write poses: SurfelPose,
             read_write unseen: u32,
+            optional_read_write depths: SurfelDepth,
         },
         cpu: kernel,
         wide: None,
@@ -61,6 +65,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
         let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
+        if radius != pose.radius && !p.depths.is_empty() {
+            let depth = lookup::rescaled(&p.depths.get(i), pose.radius / radius);
+            p.depths.set(i, depth);
+        }
         p.poses.set(
             i,
             SurfelPose {

@@ -9,7 +9,7 @@ use glam::{UVec2, Vec3};
 
 stage! {
     /// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup: distance,
-    /// normal and depth function (GIBS, "Irradiance Sharing").
+    /// normal and depth functions, of both (GIBS, "Irradiance Sharing").
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,
         workgroup: [64, 1, 1],
@@ -75,7 +75,12 @@ fn share(
                 pose.normal,
                 &surfels,
                 states,
-                &mut |id, weight| {
+                &mut |id, mut weight| {
+                    // A wall between the two may be known to only one of them.
+                    if let Some(depth) = surfels.depths.get(i) {
+                        let d = p.poses[id].position - pose.position;
+                        weight *= lookup::visibility(depth, pose, d);
+                    }
                     asked.add(&states[id], weight, age(id), id == i);
                 },
             );

@@ -41,7 +41,9 @@ pub const RISES: f32 = 0.25;
 
 /// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres.
 /// Irradiance changes over such distances (Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse
-/// Interreflection": the harmonic mean distance to surfaces sets the spacing of samples).
+/// Interreflection": the harmonic mean distance to surfaces sets the spacing of samples), and a disc that ends at a wall says
+/// nothing behind it. Between pixels a surface goes on in its plane, so that the distance is that to the plane, but at most
+/// the width of a pixel less than that to the pixel.
 fn clearance(p: &Views<'_>, pixel: u32, normal: Vec3) -> f32 {
     let (width, height) = (p.camera.width, p.camera.height);
     let (x, y) = (pixel % width, pixel / width);
@@ -58,11 +60,13 @@ fn clearance(p: &Views<'_>, pixel: u32, normal: Vec3) -> f32 {
             let squared = d.dot(d);
             let h = d.dot(normal);
             if h > 0.0 && h * h > RISES * RISES * squared {
-                nearest = nearest.min(squared);
+                let across = octahedral::unpack(point.geometric_normal).dot(d).abs();
+                let pixel = p.camera.pixel_angle * (point.position - p.camera.eye).length();
+                nearest = nearest.min(across.max(squared.sqrt() - pixel));
             }
         }
     }
-    nearest.sqrt()
+    nearest
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {

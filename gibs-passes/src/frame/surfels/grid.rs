@@ -24,12 +24,14 @@ pub(super) fn update_positions(
             transforms: &scene.transforms,
             poses: surfels.poses,
             unseen: surfels.unseen,
+            depths: surfels.depths,
         },
         Dispatch::Elements(capacity),
     );
     Surfels {
         poses: moved.poses,
         unseen: moved.unseen,
+        depths: moved.depths,
         ..surfels
     }
 }
