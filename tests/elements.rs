@@ -27,7 +27,8 @@ fn what_is_off_has_no_stages() {
             "continuation" => &["continue_paths", "path_rays", "rays_1"],
             "half-resolution" => &["select_pixels", "pack_points", "apply/upsample"],
             "hit-births" => &["spawn/hit", "hit_candidates"],
-            "steering" | "clamp" => &[],
+            "clamp" => &["filtering/clamped"],
+            "steering" => &[],
             name => panic!("say here what belongs to `{name}`"),
         };
         let defaults = Settings::default();

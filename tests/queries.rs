@@ -173,7 +173,8 @@ fn after_a_change_a_frame_comes_first() {
             Renderer::new(backend.as_ref(), &scene, &view, SIZE, &asking(8), 0).expect("prepares");
         let ask = |r: &mut Renderer| r.irradiance(&[DVec3::new(0.0, 0.1, 0.0)], &[Vec3::Y]);
         for (what, change) in changes {
-            for _ in 0..8 {
+            // Enough to cover the floor in the smallest picture.
+            for _ in 0..24 {
                 renderer.frame().expect("a frame");
             }
             let before = ask(&mut renderer).expect("an answer");

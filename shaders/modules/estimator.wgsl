@@ -14,10 +14,12 @@ const ESTIMATOR_CLAMP_AFTER: u32 = 64u;
 const ESTIMATOR_PLAIN_MEAN: u32 = 64u;
 /// Weight of a ray after that, over its share in a plain mean.
 const ESTIMATOR_RECENCY: f32 = 2.0;
-/// Rays from which on the bias of the first frames is forgotten.
-const ESTIMATOR_SETTLED: u32 = 1024u;
-/// Weight of a ray then.
-const ESTIMATOR_SETTLED_RECENCY: f32 = 1.25;
+/// Age, in frames, from which on a mean has settled.
+const ESTIMATOR_SETTLED: u32 = 128u;
+/// Weight of a ray in a settled mean that is noisy.
+const ESTIMATOR_SETTLED_RECENCY: f32 = 1.0;
+/// Relative standard error up to which a settled mean is quiet.
+const ESTIMATOR_QUIET: f32 = 0.02;
 /// Weight of a ray in a mean that began anew.
 const ESTIMATOR_ANEW_RECENCY: f32 = 4.0;
 /// Frames for which it counts as one that began anew.
@@ -36,6 +38,8 @@ const ESTIMATOR_DRIFT_AGAINST: f32 = -0.5;
 const ESTIMATOR_DRIFT_FOR: f32 = 1.0;
 /// Drift that is taken for noise, over the level.
 const ESTIMATOR_DRIFT_FLOOR: f32 = 0.02;
+/// Share of a change that its drift is taken to show.
+const ESTIMATOR_DRIFT_SHOWS: f32 = 0.125;
 
 /// Rec. 709 luminance.
 fn estimator_luminance(c: vec3<f32>) -> f32 {
@@ -70,25 +74,45 @@ fn estimator_significance(drift: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-/// Share of what they know that the surfels of a cell should forget, from its drift and that of all surfels, relative to
-/// chance.
-fn estimator_to_forget(cell: f32, everywhere: f32) -> f32 {
-    let sign_of_all = select(1.0, -1.0, everywhere < 0.0);
-    let agreement = clamp(
-        (sign_of_all * cell - ESTIMATOR_DRIFT_AGAINST) / (ESTIMATOR_DRIFT_FOR - ESTIMATOR_DRIFT_AGAINST), 0.0, 1.0
-    );
-    return max(estimator_significance(abs(cell)), estimator_significance(abs(everywhere)) * agreement);
+/// Over the level.
+fn estimator_change(drift: Drift) -> f32 {
+    if drift.level > 0.0 {
+        return abs(drift.sum) / drift.level;
+    }
+    return 0.0;
 }
 
-/// What is left of the state when a share of it is forgotten.
-fn estimator_forget(state: SurfelIrradiance, share: f32, frame: u32) -> SurfelIrradiance {
+/// Share of what they know that the surfels of a cell should forget, from its drift and that of all surfels, and by how much
+/// their light has changed.
+fn estimator_to_forget(cell: Drift, everywhere: Drift) -> vec2<f32> {
+    let own = estimator_relative_drift(cell);
+    let all_surfels = estimator_relative_drift(everywhere);
+    let sign_of_all = select(1.0, -1.0, all_surfels < 0.0);
+    let agreement = clamp(
+        (sign_of_all * own - ESTIMATOR_DRIFT_AGAINST) / (ESTIMATOR_DRIFT_FOR - ESTIMATOR_DRIFT_AGAINST), 0.0, 1.0
+    );
+    return vec2<f32>(
+        max(estimator_significance(abs(own)), estimator_significance(abs(all_surfels)) * agreement),
+        max(estimator_change(cell), estimator_change(everywhere)),
+    );
+}
+
+/// What is left of the state when a share of it is forgotten, because its light has changed by so much of its level.
+fn estimator_forget(state: SurfelIrradiance, share: f32, change: f32, frame: u32) -> SurfelIrradiance {
     if share <= 0.0 {
         return state;
     }
-    let keep = 1.0 - share;
+    let samples = f32(state.samples);
+    let level = max(estimator_luminance(state.short_mean), estimator_luminance(state.mean));
+    let error = (1.0 / ESTIMATOR_DRIFT_SHOWS) * (change * level);
+    var least = samples;
+    if error > 0.0 {
+        least = min(state.variance / (error * error), samples);
+    }
+    let remaining = max(samples * (1.0 - share), least);
     var kept = state;
-    kept.samples = u32(f32(state.samples) * keep);
-    kept.since = frame - u32(f32(frame - state.since) * keep);
+    kept.samples = u32(remaining);
+    kept.since = frame - u32(f32(frame - state.since) * (remaining / max(samples, 1.0)));
     return kept;
 }
 
@@ -112,13 +136,16 @@ fn estimator_taken(state: SurfelIrradiance, mean_of_rays: vec3<f32>, rays: u32) 
 
 /// Weight of a ray in the long mean, over its share in a plain one.
 fn estimator_recency(state: SurfelIrradiance, frame: u32) -> f32 {
-    if state.drawn > state.samples && frame - state.since < ESTIMATOR_ANEW {
+    let age = frame - state.since;
+    if state.drawn > state.samples && age < ESTIMATOR_ANEW {
         return ESTIMATOR_ANEW_RECENCY;
     }
     if state.samples < ESTIMATOR_PLAIN_MEAN {
         return 1.0;
     }
-    return select(ESTIMATOR_SETTLED_RECENCY, ESTIMATOR_RECENCY, state.samples < ESTIMATOR_SETTLED);
+    let error = ESTIMATOR_QUIET * estimator_luminance(state.mean);
+    let is_quiet = state.variance <= f32(state.samples) * (error * error);
+    return select(ESTIMATOR_SETTLED_RECENCY, ESTIMATOR_RECENCY, age < ESTIMATOR_SETTLED || is_quiet);
 }
 
 /// Takes in the mean of `rays` new rays, W/m^2. With `cut`, fireflies are clamped.

@@ -14,7 +14,7 @@ import package::types::{
 @group(0) @binding(4) var<storage, read> offsets: array<u32>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
 @if(neighbours) @group(0) @binding(6) var<storage, read> neighbours: array<Neighbours>;
-@group(0) @binding(7) var<storage, read> forget: array<f32>;
+@group(0) @binding(7) var<storage, read> forget: array<vec2<f32>>;
 @group(0) @binding(8) var<storage, read_write> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(9) var<storage, read_write> light: array<SurfelLight>;
 @if(clamped) @group(0) @binding(10) var<storage, read_write> clamped: array<ClampedLight>;
@@ -64,7 +64,8 @@ fn main(
         }
         let count = last - first;
         let mean_of_rays = sum * (PI / f32(count));
-        state = estimator_forget(state, forget[grid_cell(pose.position, grid)], frame.number);
+        let change = forget[grid_cell(pose.position, grid)];
+        state = estimator_forget(state, change.x, change.y, frame.number);
         taken = estimator_taken(state, mean_of_rays, count);
         state = estimator_update(state, mean_of_rays, count, frame.number, settings.clamp != 0u);
         irradiance[i] = state;

@@ -1,7 +1,5 @@
 // Share of what they know that the surfels of each cell should forget.
-import package::estimator::{
-    ESTIMATOR_DRIFT_OF, estimator_relative_drift, estimator_to_forget, estimator_with_drift
-};
+import package::estimator::{ESTIMATOR_DRIFT_OF, estimator_to_forget, estimator_with_drift};
 import package::invocation::invocation_index;
 import package::types::{Drift, SurfelIrradiance};
 
@@ -9,7 +7,7 @@ import package::types::{Drift, SurfelIrradiance};
 @group(0) @binding(1) var<storage, read> entries: array<u32>;
 @group(0) @binding(2) var<storage, read> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(3) var<storage, read> total: array<Drift>;
-@group(0) @binding(4) var<storage, read_write> forget: array<f32>;
+@group(0) @binding(4) var<storage, read_write> forget: array<vec2<f32>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -26,5 +24,5 @@ fn main(
     for (var entry = cell.x; entry < cell.x + min(cell.y, ESTIMATOR_DRIFT_OF); entry++) {
         drift = estimator_with_drift(drift, irradiance[entries[entry]]);
     }
-    forget[i] = estimator_to_forget(estimator_relative_drift(drift), estimator_relative_drift(total[0]));
+    forget[i] = estimator_to_forget(drift, total[0]);
 }

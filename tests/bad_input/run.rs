@@ -26,7 +26,7 @@ fn render_args<'a>(scene: &'a str, size: &'a str, out: &'a str) -> [&'a str; 14]
         "--size",
         size,
         "--frames",
-        "2",
+        "4",
         "--rays",
         "2000",
         "--set",

@@ -7,7 +7,7 @@
 //! surfel that follows its own luck is biased, because luck is more often low than high. All thresholds are relative, so
 //! that scaling every light by a power of two scales the result by exactly that.
 use crate::data::{ClampedLight, Drift, SurfelIrradiance};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Blend of the short-term mean for a sample of full confidence.
 pub const SHORT_BLEND: f32 = 0.08;
@@ -22,10 +22,13 @@ pub const PLAIN_MEAN: u32 = 64;
 /// Weight of a ray after that, over its share in a plain mean. A weight that grows linearly, 2, forgets a bias of the
 /// first frames with the square of their share and has 4/3 of the plain mean's variance.
 pub const RECENCY: f32 = 2.0;
-/// Rays from which on the bias of the first frames is forgotten.
-pub const SETTLED: u32 = 1024;
-/// Weight of a ray then: a mean that hardly moves.
-pub const SETTLED_RECENCY: f32 = 1.25;
+/// Age, in frames, from which on a mean has settled.
+pub const SETTLED: u32 = 128;
+/// Weight of a ray in a settled mean that is noisy: that of a plain one, so that it does not flicker.
+pub const SETTLED_RECENCY: f32 = 1.0;
+/// Relative standard error up to which a settled mean is quiet: it goes on forgetting the first frames, which in a room of
+/// high albedo takes long.
+pub const QUIET: f32 = 0.02;
 /// Weight of a ray in a mean that began anew: the surfels that its first rays hit did not all begin anew in the same
 /// frame, and what they said is forgotten with the fourth power of its share.
 pub const ANEW_RECENCY: f32 = 4.0;
@@ -43,8 +46,10 @@ pub const DRIFT_MOST: f32 = 5.0;
 pub const DRIFT_AGAINST: f32 = -0.5;
 /// Drift of a cell, in its standard deviations, from which on it follows all others.
 pub const DRIFT_FOR: f32 = 1.0;
-/// Drift that is taken for noise, over the level: what the long mean lags behind while bounces build up.
+/// Drift that is taken for noise, over the level.
 pub const DRIFT_FLOOR: f32 = 0.02;
+/// Share of a change that its drift is taken to show: the short mean has only just begun to follow.
+pub const DRIFT_SHOWS: f32 = 0.125;
 
 /// Rec. 709 luminance.
 #[inline]
@@ -60,6 +65,8 @@ pub trait Drifting: Sized {
     fn plus(self, other: &Self) -> Self;
     /// In standard deviations of chance; negative where light has gone.
     fn relative(&self) -> f32;
+    /// Over the level.
+    fn change(&self) -> f32;
 }
 
 impl Drifting for Drift {
@@ -94,6 +101,15 @@ impl Drifting for Drift {
             0.0
         }
     }
+
+    #[inline]
+    fn change(&self) -> f32 {
+        if self.level > 0.0 {
+            self.sum.abs() / self.level
+        } else {
+            0.0
+        }
+    }
 }
 
 /// 0 below [`DRIFT_LEAST`], 1 from [`DRIFT_MOST`] on.
@@ -103,27 +119,38 @@ fn significance(drift: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Share of what they know that the surfels of a cell should forget, from its drift and that of all surfels, relative to
-/// chance. Where light changes everywhere, that is known long before a single cell is sure of it; a cell follows unless
-/// its own drift speaks against it.
+/// Share of what they know that the surfels of a cell should forget, from its drift and that of all surfels, and by how much
+/// their light has changed. Where light changes everywhere, that is known long before a single cell is sure of it; a cell
+/// follows unless its own drift speaks against it.
 #[inline]
-pub fn to_forget(cell: f32, everywhere: f32) -> f32 {
-    let sign = if everywhere < 0.0 { -1.0 } else { 1.0 };
-    let agreement = ((sign * cell - DRIFT_AGAINST) / (DRIFT_FOR - DRIFT_AGAINST)).clamp(0.0, 1.0);
-    significance(cell.abs()).max(significance(everywhere.abs()) * agreement)
+pub fn to_forget(cell: &Drift, everywhere: &Drift) -> Vec2 {
+    let (own, all) = (cell.relative(), everywhere.relative());
+    let sign = if all < 0.0 { -1.0 } else { 1.0 };
+    let agreement = ((sign * own - DRIFT_AGAINST) / (DRIFT_FOR - DRIFT_AGAINST)).clamp(0.0, 1.0);
+    let (own, all) = (significance(own.abs()), significance(all.abs()) * agreement);
+    Vec2::new(own.max(all), cell.change().max(everywhere.change()))
 }
 
-/// What is left of the state when a share of it is forgotten: it counts for fewer rays, and is younger.
+/// What is left of the state when a share of it is forgotten, because its light has changed by so much of its level: it counts
+/// for fewer rays, and is younger. It keeps the rays below which its noise would be more than the change.
 #[inline]
-pub fn forget(state: &SurfelIrradiance, share: f32, frame: u32) -> SurfelIrradiance {
+pub fn forget(state: &SurfelIrradiance, share: f32, change: f32, frame: u32) -> SurfelIrradiance {
     if share <= 0.0 {
         return *state;
     }
-    let keep = 1.0 - share;
-    let age = frame.wrapping_sub(state.since);
+    let samples = state.samples as f32;
+    let level = luminance(state.short_mean).max(luminance(state.mean));
+    let error = (1.0 / DRIFT_SHOWS) * (change * level);
+    let least = if error > 0.0 {
+        (state.variance / (error * error)).min(samples)
+    } else {
+        samples
+    };
+    let kept = (samples * (1.0 - share)).max(least);
+    let age = frame.wrapping_sub(state.since) as f32;
     SurfelIrradiance {
-        samples: (state.samples as f32 * keep) as u32,
-        since: frame.wrapping_sub((age as f32 * keep) as u32),
+        samples: kept as u32,
+        since: frame.wrapping_sub((age * (kept / samples.max(1.0))) as u32),
         ..*state
     }
 }
@@ -153,14 +180,21 @@ pub fn taken(state: &SurfelIrradiance, sample: Vec3, rays: u32) -> ClampedLight 
     }
 }
 
+#[inline]
+fn is_quiet(state: &SurfelIrradiance) -> bool {
+    let error = QUIET * luminance(state.mean);
+    state.variance <= state.samples as f32 * (error * error)
+}
+
 /// Weight of a ray in the long mean, over its share in a plain one.
 #[inline]
 fn recency(state: &SurfelIrradiance, frame: u32) -> f32 {
-    if state.drawn > state.samples && frame.wrapping_sub(state.since) < ANEW {
+    let age = frame.wrapping_sub(state.since);
+    if state.drawn > state.samples && age < ANEW {
         ANEW_RECENCY
     } else if state.samples < PLAIN_MEAN {
         1.0
-    } else if state.samples < SETTLED {
+    } else if age < SETTLED || is_quiet(state) {
         RECENCY
     } else {
         SETTLED_RECENCY
@@ -247,9 +281,9 @@ mod tests {
         let mut states = vec![SurfelIrradiance::default(); surfels as usize];
         for frame in 0..frames {
             let drift = states.iter().fold(Drift::default(), |sum, s| sum.with(s));
-            let share = to_forget(drift.relative(), 0.0);
+            let [share, change] = to_forget(&drift, &Drift::default()).to_array();
             for (i, state) in (0..).zip(&mut states) {
-                let kept = forget(state, share, frame);
+                let kept = forget(state, share, change, frame);
                 *state = update(&kept, Vec3::splat(sample(i, frame)), 4, frame, false);
             }
         }
@@ -352,22 +386,37 @@ mod tests {
 
     #[test]
     fn a_cell_follows_all_others_unless_it_knows_better() {
-        assert_eq!(to_forget(0.0, 0.0), 0.0);
-        assert_eq!(to_forget(-5.0, 0.0), 1.0);
-        assert_eq!(to_forget(-1.0, -9.0), 1.0);
-        assert_eq!(to_forget(0.5, -9.0), 0.0);
-        assert_eq!(to_forget(1.0, 9.0), 1.0);
-        let half = to_forget(-0.25, -9.0);
+        let share = |cell, everywhere| {
+            let drift = |sum| Drift {
+                sum,
+                noise: 1.0,
+                ..Drift::default()
+            };
+            to_forget(&drift(cell), &drift(everywhere)).x
+        };
+        assert_eq!(share(0.0, 0.0), 0.0);
+        assert_eq!(share(-5.0, 0.0), 1.0);
+        assert_eq!(share(-1.0, -9.0), 1.0);
+        assert_eq!(share(0.5, -9.0), 0.0);
+        assert_eq!(share(1.0, 9.0), 1.0);
+        let half = share(-0.25, -9.0);
         assert!((0.4..0.6).contains(&half), "{half}");
     }
 
     #[test]
     fn what_is_forgotten_counts_for_fewer_rays() {
         let state = run(200, 4, |_| Vec3::ONE);
-        let half = forget(&state, 0.5, 200);
+        let half = forget(&state, 0.5, 1.0, 200);
         assert_eq!((half.samples, half.since), (400, 100));
-        assert_eq!(forget(&state, 0.0, 200), state);
-        let none = forget(&state, 1.0, 200);
+        assert_eq!(forget(&state, 0.0, 1.0, 200), state);
+        // Of a ray's variance of 1, 1 / (8 * 0.02)^2 = 39 rays leave an error of 8 * 2 %.
+        let noisy = SurfelIrradiance {
+            variance: 1.0,
+            ..state
+        };
+        assert_eq!(forget(&noisy, 1.0, 0.02, 200).samples, 39);
+        assert_eq!(forget(&noisy, 1.0, 0.0, 200), noisy);
+        let none = forget(&state, 1.0, 1.0, 200);
         let anew = update(&none, Vec3::splat(3.0), 2, 200, false);
         assert_eq!((anew.samples, anew.since, anew.drawn), (2, 200, 802));
         assert_eq!(anew.mean, Vec3::splat(3.0));

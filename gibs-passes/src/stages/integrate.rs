@@ -6,7 +6,7 @@ use crate::data::{
 use crate::shared::{estimator, grid, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::PI;
 
 stage! {
@@ -25,7 +25,7 @@ stage! {
             read offsets: u32,
             read radiance: Vec4,
             optional_read neighbours: Neighbours,
-            read forget: f32,
+            read forget: Vec2,
             read_write irradiance: SurfelIrradiance,
             write light: SurfelLight,
             optional_write clamped: ClampedLight,
@@ -59,8 +59,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
             let rays = (last - first) as u32;
             let sample = sum * (PI / rays as f32);
-            let share = p.forget[grid::cell(pose.position, p.grid) as usize];
-            state = estimator::forget(&state, share, p.frame.number);
+            let change = p.forget[grid::cell(pose.position, p.grid) as usize];
+            state = estimator::forget(&state, change.x, change.y, p.frame.number);
             clamped = estimator::taken(&state, sample, rays);
             let clamp = p.settings.clamp != 0;
             state = estimator::update(&state, sample, rays, p.frame.number, clamp);

@@ -2,10 +2,10 @@
 use crate::data::{Drift, SurfelIrradiance};
 use crate::shared::estimator::{self, DRIFT_OF, Drifting};
 use gibs_graph::{Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec2};
 
 stage! {
-    /// Share of what they know that the surfels of each cell should forget, by how far their short means have left their
+    /// Share of what they know that the surfels of each cell should forget, and by how much their light has changed, by how far their short means have left their
     /// long ones together, and how far those of all surfels have (GIBS, "Integrator").
     pub stage MeasureDrift {
         wgsl: gibs_shaders::stages::MEASURE_DRIFT,
@@ -15,7 +15,7 @@ stage! {
             read entries: u32,
             read irradiance: SurfelIrradiance,
             read total: Drift,
-            write forget: f32,
+            write forget: Vec2,
         },
         cpu: kernel,
         wide: None,
@@ -23,14 +23,12 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let everywhere = p.total[0].relative();
     for i in group.range(p.cells.len() as u32) {
         let cell = p.cells[i];
         let mut drift = Drift::default();
         for entry in cell.x..cell.x + cell.y.min(DRIFT_OF) {
             drift = drift.with(&p.irradiance[p.entries[entry as usize] as usize]);
         }
-        p.forget
-            .set(i, estimator::to_forget(drift.relative(), everywhere));
+        p.forget.set(i, estimator::to_forget(&drift, &p.total[0]));
     }
 }

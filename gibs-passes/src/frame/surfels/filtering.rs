@@ -4,7 +4,7 @@ use crate::data::*;
 use crate::frame::{SceneInputs, Settings};
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 
 /// What the rays brought into the surfels' irradiance. `offsets` and `radiance` are of the rays.
 #[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
@@ -74,8 +74,8 @@ pub(super) fn filter(
     }
 }
 
-/// Share of what they know that the surfels of each cell should forget.
-fn forget(g: &mut Graph, grid: &Grid, surfels: &Surfels) -> Buffer<f32> {
+/// Share of what they know that the surfels of each cell should forget, and by how much their light has changed.
+fn forget(g: &mut Graph, grid: &Grid, surfels: &Surfels) -> Buffer<Vec2> {
     let capacity = surfels.poses.len();
     let blocks = g.transient(
         "drift_blocks",
