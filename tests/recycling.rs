@@ -111,42 +111,48 @@ fn a_cut_to_another_place_reuses_the_slots() {
     };
     let mut other = view.camera;
     std::mem::swap(&mut other.position, &mut other.target);
-    let backend = cpu();
-    let mut cut = Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0).expect("one");
-    for _ in 0..60 {
-        cut.frame().expect("a frame");
-    }
-    let before = check_slots(&mut cut, "before the cut");
-    cut.set_camera(other);
-    for _ in 0..90 {
-        cut.frame().expect("a frame");
-    }
-    let after = check_slots(&mut cut, "after the cut");
     let there = gibs::view::View {
         camera: other,
-        ..view
+        ..view.clone()
     };
-    let mut fresh =
-        Renderer::new(backend.as_ref(), &scene, &there, SIZE, &settings, 0).expect("one");
-    for _ in 0..90 {
-        fresh.frame().expect("a frame");
-    }
-    let alone = check_slots(&mut fresh, "without a cut");
-    let covered = |renderer: &mut Renderer| {
+    let backend = cpu();
+    let renderer = |view, seed| {
+        Renderer::new(backend.as_ref(), &scene, view, SIZE, &settings, seed).expect("one")
+    };
+    let frames = |renderer: &mut Renderer, count| {
+        for _ in 0..count {
+            renderer.frame().expect("a frame");
+        }
+    };
+    let seen = |renderer: &mut Renderer| {
         let picture = renderer.picture().expect("a picture");
         let coverage = picture.scalar("coverage.A").expect("coverage").to_vec();
         let sum: f32 = coverage.iter().sum();
-        (sum / coverage.len() as f32, mean(&picture, "E"))
+        [sum / coverage.len() as f32, mean(&picture, "E") as f32]
     };
-    let ((a, light), (b, expected)) = (covered(&mut cut), covered(&mut fresh));
-    println!(
-        "{before} live before, {after} after, {alone} without a cut; coverage {a:.3} and {b:.3}; E {light:.4} and {expected:.4}"
-    );
-    assert!(a > 0.95 * b, "coverage {a} after the cut, {b} without");
-    assert!(
-        (light / expected - 1.0).abs() < 0.03,
-        "light {light} after the cut, {expected} without"
-    );
+    // The light of so few surfels varies by 2 % between seeds.
+    const SEEDS: u32 = 6;
+    let (mut after, mut expected) = ([0.0; 2], [0.0; 2]);
+    for seed in 0..SEEDS {
+        let mut cut = renderer(&view, seed);
+        frames(&mut cut, 60);
+        check_slots(&mut cut, "before the cut");
+        cut.set_camera(other);
+        frames(&mut cut, 90);
+        let live = check_slots(&mut cut, "after the cut");
+        let mut fresh = renderer(&there, seed);
+        frames(&mut fresh, 90);
+        let alone = check_slots(&mut fresh, "without a cut");
+        let (a, b) = (seen(&mut cut), seen(&mut fresh));
+        println!("{live} live after, {alone} without; coverage and E {a:.3?} and {b:.3?}");
+        for i in 0..2 {
+            after[i] += a[i] / SEEDS as f32;
+            expected[i] += b[i] / SEEDS as f32;
+        }
+    }
+    println!("mean coverage and E {after:.4?}, without a cut {expected:.4?}");
+    assert!(after[0] > 0.95 * expected[0]);
+    assert!((after[1] / expected[1] - 1.0).abs() < 0.03);
 }
 
 /// Going away from a wall makes surfels too many; they thin out to a small multiple of those that are born there: a

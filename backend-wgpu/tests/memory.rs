@@ -387,9 +387,11 @@ fn frames_take_of_the_heap_what_wgpu_takes() {
         println!(
             "recorded: {recorded:?}; run: {ran:?}; run after uploads of parts of words: {parts:?}"
         );
+        let spread = by_hand.most - by_hand.least;
         for taken in [&recorded, &ran, &parts] {
             assert!(taken.kept <= 0, "{taken:?}");
-            assert!(taken.most - taken.least <= CHANNEL, "{taken:?}");
+            // What the device is done with comes back a frame early or late, by hand too.
+            assert!(taken.most - taken.least <= spread + CHANNEL, "{taken:?}");
         }
         // A block of a channel may fall into either count.
         assert!(recorded.least <= by_hand.least + SCOPES + CHANNEL);
