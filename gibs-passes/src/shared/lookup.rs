@@ -1,9 +1,13 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
 use super::grid;
-use super::octahedral::hemisphere_encode;
+use super::octahedral::{self, hemisphere_encode};
 use super::sampling::to_local;
-use crate::data::{Gathered, GridShape, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
+use super::surface;
+use crate::data::{
+    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
+};
+use crate::simd;
 use glam::{UVec2, Vec2, Vec3};
 
 /// Texels along each side of a depth function.
@@ -70,7 +74,7 @@ pub fn moments(texel: u32) -> Vec2 {
 /// Moments in a texel, each in `[0, 1]`.
 #[inline]
 pub fn pack_moments(m: Vec2) -> u32 {
-    super::surface::unorm16(m.x) | (super::surface::unorm16(m.y) << 16)
+    surface::unorm16(m.x) | (surface::unorm16(m.y) << 16)
 }
 
 /// A depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing is
@@ -181,20 +185,88 @@ impl<'a> Surfels<'a> {
     /// The surfels that a lookup at a point visits.
     #[inline]
     pub fn around(&self, point: Vec3) -> &'a [u32] {
-        let cell = self.cells[grid::cell(point, self.grid) as usize];
+        self.list(grid::cell(point, self.grid) as usize)
+    }
+
+    #[inline]
+    fn list(&self, cell: usize) -> &'a [u32] {
+        let cell = self.cells[cell];
         &self.entries[cell.x as usize..(cell.x + cell.y.min(self.settings.lookup)) as usize]
+    }
+
+    /// [`Surfels::around`] for several points at a time, of which `position` tells where they are, and nothing where
+    /// there is none: what one step needs of memory is asked for at all points before the next step.
+    #[inline(always)]
+    pub fn lists<const N: usize>(
+        &self,
+        mut position: impl FnMut(usize) -> Option<Vec3>,
+    ) -> [&'a [u32]; N] {
+        const PER_LINE: usize = 16;
+        const LINES: usize = 4;
+        let cells: [Option<usize>; N] = std::array::from_fn(|i| {
+            let cell = grid::cell(position(i)?, self.grid) as usize;
+            simd::prefetch(self.cells, cell);
+            Some(cell)
+        });
+        cells.map(|cell| {
+            let list = cell.map_or(&[][..], |cell| self.list(cell));
+            for line in (0..list.len().min(LINES * PER_LINE)).step_by(PER_LINE) {
+                simd::prefetch(list, line);
+            }
+            list
+        })
+    }
+}
+
+/// A point that is looked up.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    /// Position, metres.
+    pub position: Vec3,
+    /// Normal.
+    pub normal: Vec3,
+    /// Surfels that the lookup visits: those [`around`](Surfels::around) it.
+    pub list: &'a [u32],
+}
+
+/// Points that are looked up at a time.
+const AT_A_TIME: usize = 16;
+
+/// Calls `each` with the place of every point of a range, or with none where a ray has met nothing.
+#[inline(always)]
+pub fn at_points(
+    points: &[SurfacePoint],
+    range: std::ops::Range<usize>,
+    s: &Surfels<'_>,
+    mut each: impl FnMut(usize, Option<&Place<'_>>),
+) {
+    for start in range.clone().step_by(AT_A_TIME) {
+        let end = range.end.min(start + AT_A_TIME);
+        let points = &points[start..end];
+        let lists: [_; AT_A_TIME] = s.lists(|i| {
+            let point = points.get(i)?;
+            surface::is_surface(point).then_some(point.position)
+        });
+        for (i, (point, list)) in (start..).zip(points.iter().zip(lists)) {
+            let place = surface::is_surface(point).then(|| Place {
+                position: point.position,
+                normal: octahedral::unpack(point.shading_normal),
+                list,
+            });
+            each(i, place.as_ref());
+        }
     }
 }
 
 /// Summed weight of the surfels at a point: the same weights as [`gather`]. Calls `seen` with each surfel that has any.
 #[inline]
-pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
+pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let mut sum = 0.0;
-    for &id in s.around(point) {
+    for &id in place.list {
         let id = id as usize;
         let pose = &s.poses[id];
-        let d = point - pose.position;
-        let mut weight = falloff(d, pose) * alignment(normal, pose);
+        let d = place.position - pose.position;
+        let mut weight = falloff(d, pose) * alignment(place.normal, pose);
         if weight > 0.0 && !s.depths.is_empty() {
             weight *= visibility(&s.depths[id], pose, d);
         }
@@ -206,31 +278,34 @@ pub fn coverage(point: Vec3, normal: Vec3, s: &Surfels<'_>, mut seen: impl FnMut
     sum
 }
 
-/// Calls `each` with the surfels of a point's cell that `wanted` wants and their weights: those of [`gather`], with a
-/// reach of so many radii.
+/// Calls `each` with the surfels in the list of a surfel that `wanted` wants and their weights: those of [`gather`], with a
+/// reach of so many radii, and with the surfel's own depth function beside theirs, since a wall between the two may be
+/// known to only one of them.
 #[inline]
 pub fn neighbours(
-    point: Vec3,
-    normal: Vec3,
+    own: usize,
+    list: &[u32],
     reach: f32,
     s: &Surfels<'_>,
     wanted: impl Fn(usize) -> bool,
     mut each: impl FnMut(usize, f32),
 ) {
-    for &id in s.around(point) {
+    let place = &s.poses[own];
+    for &id in list {
         let id = id as usize;
         let pose = &s.poses[id];
         let wide = SurfelPose {
             radius: reach * pose.radius,
             ..*pose
         };
-        let d = point - pose.position;
-        let mut weight = falloff(d, &wide) * alignment(normal, pose);
+        let d = place.position - pose.position;
+        let mut weight = falloff(d, &wide) * alignment(place.normal, pose);
         if weight <= 0.0 || !wanted(id) {
             continue;
         }
         if !s.depths.is_empty() {
             weight *= visibility(&s.depths[id], pose, d);
+            weight *= visibility(&s.depths[own], place, pose.position - place.position);
         }
         each(id, weight);
     }
@@ -240,14 +315,12 @@ pub fn neighbours(
 /// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
 /// weight is below one; elsewhere nobody asks for it.
 #[inline]
-pub fn gather(
-    point: Vec3,
-    normal: Vec3,
-    enough: f32,
-    s: &Surfels<'_>,
-    light: &[SurfelLight],
-) -> Gathered {
-    let entries = s.around(point);
+pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
+    let Place {
+        position: point,
+        normal,
+        list: entries,
+    } = *place;
     let share = |id: usize, d: Vec3| {
         if !s.depths.is_empty() {
             visibility(&s.depths[id], &s.poses[id], d)

@@ -1,7 +1,6 @@
 //! The lookup of surfels around a point where there is no wide one.
 use crate::data::{Gathered, SurfelLight};
-use crate::shared::lookup::{self, Surfels};
-use glam::Vec3;
+use crate::shared::lookup::{self, Place, Surfels};
 
 /// The lookup with the best instructions of this processor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,38 +13,31 @@ impl Lookup {
     }
 
     /// Same as [`lookup::coverage`].
-    pub fn coverage(
-        self,
-        point: Vec3,
-        normal: Vec3,
-        s: &Surfels<'_>,
-        seen: impl FnMut(usize),
-    ) -> f32 {
-        lookup::coverage(point, normal, s, seen)
+    pub fn coverage(self, place: &Place<'_>, s: &Surfels<'_>, seen: impl FnMut(usize)) -> f32 {
+        lookup::coverage(place, s, seen)
     }
 
     /// Same as [`lookup::neighbours`].
     pub fn neighbours(
         self,
-        point: Vec3,
-        normal: Vec3,
+        own: usize,
+        list: &[u32],
         reach: f32,
         s: &Surfels<'_>,
         wanted: impl Fn(usize) -> bool,
         each: impl FnMut(usize, f32),
     ) {
-        lookup::neighbours(point, normal, reach, s, wanted, each);
+        lookup::neighbours(own, list, reach, s, wanted, each);
     }
 
     /// Same as [`lookup::gather`].
     pub fn gather(
         self,
-        point: Vec3,
-        normal: Vec3,
+        place: &Place<'_>,
         enough: f32,
         s: &Surfels<'_>,
         light: &[SurfelLight],
     ) -> Gathered {
-        lookup::gather(point, normal, enough, s, light)
+        lookup::gather(place, enough, s, light)
     }
 }

@@ -3,7 +3,7 @@ use super::{Avx2, Lookup};
 use crate::data::{SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
 use crate::shared::grid::GridLayout;
 use crate::shared::hash::{hash2, hash3, unit};
-use crate::shared::lookup::{self, Surfels};
+use crate::shared::lookup::{self, Place, Surfels};
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -80,21 +80,27 @@ fn the_wide_lookup_is_the_scalar_one() {
             Some(&id) if case % 9 == 0 => (poses[id as usize].position, poses[id as usize].normal),
             _ => (direction(case, 20) * random(case, 23), direction(case, 24)),
         };
+        let place = Place {
+            position: point,
+            normal,
+            list: surfels.around(point),
+        };
         let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
-        let coverage = lookup::coverage(point, normal, &surfels, |id| seen.push(id));
-        let same = wide.coverage(point, normal, &surfels, |id| same_seen.push(id));
+        let coverage = lookup::coverage(&place, &surfels, |id| seen.push(id));
+        let same = wide.coverage(&place, &surfels, |id| same_seen.push(id));
         assert_eq!(seen, same_seen, "case {case}");
         assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
         let (mut around, mut same_around) = (Vec::new(), Vec::new());
+        let own = (case % 200) as usize;
         let wanted = |id: usize| !id.is_multiple_of(7);
         let each = |id, weight: f32| around.push((id, weight.to_bits()));
-        lookup::neighbours(point, normal, 1.5, &surfels, wanted, each);
+        lookup::neighbours(own, surfels.around(point), 1.5, &surfels, wanted, each);
         let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
-        wide.neighbours(point, normal, 1.5, &surfels, wanted, each);
+        wide.neighbours(own, surfels.around(point), 1.5, &surfels, wanted, each);
         assert_eq!(around, same_around, "case {case}");
         let enough = [f32::MAX, lookup::ENOUGH_AT_HITS, 1.0][case as usize % 3];
-        let gathered = lookup::gather(point, normal, enough, &surfels, &light);
-        let same = wide.gather(point, normal, enough, &surfels, &light);
+        let gathered = lookup::gather(&place, enough, &surfels, &light);
+        let same = wide.gather(&place, enough, &surfels, &light);
         assert_eq!(
             bytemuck::bytes_of(&gathered),
             bytemuck::bytes_of(&same),

@@ -2,10 +2,11 @@
 use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::{hash, lookup, octahedral, surface, upsample};
+use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::{hash, octahedral, surface, upsample};
 use crate::simd;
 use gibs_graph::{AtomicView, Workgroup, stage};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
 stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
@@ -53,15 +54,15 @@ pub const AMPLE: f32 = 2.0;
 const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    fill(p, group, |point, normal, surfels, unseen| {
-        lookup::coverage(point, normal, surfels, |id| see(unseen, id))
+    fill(p, group, |place, surfels, unseen| {
+        lookup::coverage(place, surfels, |id| see(unseen, id))
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    fill(p, group, |point, normal, surfels, unseen| {
-        wide.coverage(point, normal, surfels, |id| see(unseen, id))
+    fill(p, group, |place, surfels, unseen| {
+        wide.coverage(place, surfels, |id| see(unseen, id))
     });
 }
 
@@ -77,9 +78,9 @@ fn see(unseen: AtomicView<'_>, id: usize) {
 fn fill(
     p: &Views<'_>,
     group: Workgroup,
-    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, AtomicView<'_>) -> f32,
+    coverage: impl Fn(&Place<'_>, &Surfels<'_>, AtomicView<'_>) -> f32,
 ) {
-    let surfels = lookup::Surfels {
+    let surfels = Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
@@ -103,32 +104,47 @@ fn fill(
     let pixel = |lane: u32, turn: u32| {
         upsample::pixel_of(texel(lane), stride, number.wrapping_add(turn), size)
     };
-    let look = |least: &mut [u32; MOST_TILES], lane: u32, turn: u32| {
+    // The pixel's index and point, where there is one and it shows a surface.
+    let seen = |lane: u32, turn: u32| {
         if (texel(lane) * stride).cmpge(size).any() {
-            return;
+            return None;
         }
         let at = pixel(lane, turn);
         let point = &p.points[(at.y * size.x + at.x) as usize];
-        if !surface::is_surface(point) {
-            return;
-        }
-        let normal = octahedral::unpack(point.shading_normal);
-        let coverage = coverage(point.position, normal, &surfels, p.unseen);
-        let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
-        let place = turn << 8 | lane;
-        let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
-        let least = &mut least[within(lane) as usize];
-        *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 10) | place);
+        surface::is_surface(point).then_some(point)
     };
-    for lane in 0..GROUP * GROUP {
-        look(&mut least, lane, 0);
-    }
+    let look = |least: &mut [u32; MOST_TILES], row: u32, turn: u32, wanted: &[bool; MOST_TILES]| {
+        let lane = |column: usize| row * GROUP + column as u32;
+        let point = |column: usize| match wanted[within(lane(column)) as usize] {
+            true => seen(lane(column), turn),
+            false => None,
+        };
+        let points: [_; GROUP as usize] = std::array::from_fn(point);
+        let lists: [_; GROUP as usize] = surfels.lists(|column| Some(points[column]?.position));
+        for (column, (point, list)) in points.iter().zip(lists).enumerate() {
+            let Some(point) = point else { continue };
+            let (lane, place) = (
+                lane(column),
+                Place {
+                    position: point.position,
+                    normal: octahedral::unpack(point.shading_normal),
+                    list,
+                },
+            );
+            let coverage = coverage(&place, &surfels, p.unseen);
+            let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
+            let place = turn << 8 | lane;
+            let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
+            let least = &mut least[within(lane) as usize];
+            *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 10) | place);
+        }
+    };
+    let all = [true; MOST_TILES];
+    (0..GROUP).for_each(|row| look(&mut least, row, 0, &all));
     if stride > 1 {
         let doubtful = least.map(|least| least >> 16 < 65_534);
-        for lane in 0..GROUP * GROUP {
-            if doubtful[within(lane) as usize] {
-                (1..stride * stride).for_each(|turn| look(&mut least, lane, turn));
-            }
+        for row in 0..GROUP {
+            (1..stride * stride).for_each(|turn| look(&mut least, row, turn, &doubtful));
         }
     }
     for (tile, &least) in (first..).zip(&least[..(across * across) as usize]) {

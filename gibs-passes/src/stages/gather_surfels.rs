@@ -2,10 +2,10 @@
 use crate::data::{
     Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
-use crate::shared::{lookup, octahedral, surface};
+use crate::shared::lookup::{self, Place, Surfels};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
 stage! {
     /// Finds each point's cell, takes its first N surfels and weights their irradiance by distance, normal and depth
@@ -31,15 +31,15 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    gather(p, group, |point, normal, surfels, light| {
-        lookup::gather(point, normal, f32::MAX, surfels, light)
+    gather(p, group, |place, surfels, light| {
+        lookup::gather(place, f32::MAX, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    gather(p, group, |point, normal, surfels, light| {
-        wide.gather(point, normal, f32::MAX, surfels, light)
+    gather(p, group, |place, surfels, light| {
+        wide.gather(place, f32::MAX, surfels, light)
     });
 }
 
@@ -47,9 +47,9 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 fn gather(
     p: &Views<'_>,
     group: Workgroup,
-    gather: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>, &[SurfelLight]) -> Gathered,
+    gather: impl Fn(&Place<'_>, &Surfels<'_>, &[SurfelLight]) -> Gathered,
 ) {
-    let surfels = lookup::Surfels {
+    let surfels = Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
@@ -57,15 +57,10 @@ fn gather(
         grid: p.grid,
         settings: p.settings,
     };
-    let light = p.light.slice();
-    for i in group.range(p.batch.count) {
-        let point = &p.points[i];
-        let gathered = if surface::is_surface(point) {
-            let normal = octahedral::unpack(point.shading_normal);
-            gather(point.position, normal, &surfels, light)
-        } else {
-            Gathered::default()
-        };
-        p.gathered.set(i, gathered);
-    }
+    let (points, light) = (p.points.slice(), p.light.slice());
+    let range = group.range(p.batch.count);
+    lookup::at_points(points, range, &surfels, |i, place| {
+        let gathered = place.map(|place| gather(place, &surfels, light));
+        p.gathered.set(i, gathered.unwrap_or_default());
+    });
 }

@@ -2,10 +2,11 @@
 use crate::data::{
     Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::{hash, lookup, recycling};
+use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::{hash, recycling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
 stage! {
     /// Draws, for each live surfel, whether it goes (GIBS, "Recycling"): with a probability from how many slots are in
@@ -32,25 +33,21 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    choose(p, group, |point, normal, surfels| {
-        lookup::coverage(point, normal, surfels, |_| {})
+    choose(p, group, |place, surfels| {
+        lookup::coverage(place, surfels, |_| {})
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    choose(p, group, |point, normal, surfels| {
-        wide.coverage(point, normal, surfels, |_| {})
+    choose(p, group, |place, surfels| {
+        wide.coverage(place, surfels, |_| {})
     });
 }
 
 #[inline(always)]
-fn choose(
-    p: &Views<'_>,
-    group: Workgroup,
-    coverage: impl Fn(Vec3, Vec3, &lookup::Surfels<'_>) -> f32,
-) {
-    let surfels = lookup::Surfels {
+fn choose(p: &Views<'_>, group: Workgroup, coverage: impl Fn(&Place<'_>, &Surfels<'_>) -> f32) {
+    let surfels = Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
@@ -64,7 +61,14 @@ fn choose(
         let mut gone = 0;
         if pose.radius > 0.0 {
             let others = match recycling::looks(pose.identity, p.frame.number) {
-                true => coverage(pose.position, pose.normal, &surfels) - lookup::PEAK,
+                true => {
+                    let place = Place {
+                        position: pose.position,
+                        normal: pose.normal,
+                        list: surfels.around(pose.position),
+                    };
+                    coverage(&place, &surfels) - lookup::PEAK
+                }
                 false => 0.0,
             };
             let chance = recycling::chance(

@@ -2,10 +2,11 @@
 use crate::data::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
-use crate::shared::{lookup, sharing};
+use crate::shared::lookup::{self, Surfels};
+use crate::shared::sharing;
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
 stage! {
     /// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup: distance,
@@ -30,33 +31,30 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    share(p, group, |point, normal, surfels, states, each| {
+    share(p, group, |own, list, surfels, states, each| {
         let wanted = |id: usize| states[id].samples != 0;
-        lookup::neighbours(point, normal, sharing::REACH, surfels, wanted, each);
+        lookup::neighbours(own, list, sharing::REACH, surfels, wanted, each);
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    share(p, group, |point, normal, surfels, states, each| {
+    share(p, group, |own, list, surfels, states, each| {
         let wanted = |id: usize| states[id].samples != 0;
-        wide.neighbours(point, normal, sharing::REACH, surfels, wanted, each);
+        wide.neighbours(own, list, sharing::REACH, surfels, wanted, each);
     });
 }
+
+/// Surfels of a workgroup: [`ShareIrradiance::WORKGROUP`].
+const LANES: usize = 64;
 
 #[inline(always)]
 fn share(
     p: &Views<'_>,
     group: Workgroup,
-    neighbours: impl Fn(
-        Vec3,
-        Vec3,
-        &lookup::Surfels<'_>,
-        &[SurfelIrradiance],
-        &mut dyn FnMut(usize, f32),
-    ),
+    neighbours: impl Fn(usize, &[u32], &Surfels<'_>, &[SurfelIrradiance], &mut dyn FnMut(usize, f32)),
 ) {
-    let surfels = lookup::Surfels {
+    let surfels = Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
@@ -66,25 +64,19 @@ fn share(
     };
     let states = p.irradiance.slice();
     let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
-    for i in group.range(p.poses.len() as u32) {
-        let pose = &p.poses[i];
+    let range = group.range(p.poses.len() as u32);
+    let asks = |i: usize| p.poses[i].radius > 0.0 && sharing::asks(&states[i]);
+    let lists: [_; LANES] = surfels.lists(|lane| {
+        let i = range.start + lane;
+        (i < range.end && asks(i)).then(|| p.poses[i].position)
+    });
+    for (own, list) in range.clone().zip(lists) {
         let mut asked = sharing::Asked::default();
-        if pose.radius > 0.0 && sharing::asks(&states[i]) {
-            neighbours(
-                pose.position,
-                pose.normal,
-                &surfels,
-                states,
-                &mut |id, mut weight| {
-                    // A wall between the two may be known to only one of them.
-                    if let Some(depth) = surfels.depths.get(i) {
-                        let d = p.poses[id].position - pose.position;
-                        weight *= lookup::visibility(depth, pose, d);
-                    }
-                    asked.add(&states[id], weight, age(id), id == i);
-                },
-            );
+        if asks(own) {
+            neighbours(own, list, &surfels, states, &mut |id, weight| {
+                asked.add(&states[id], weight, age(id), id == own);
+            });
         }
-        p.neighbours.set(i, asked.said());
+        p.neighbours.set(own, asked.said());
     }
 }

@@ -1,0 +1,334 @@
+//! Eight surfels at a time: weights and depth functions of [`crate::shared::lookup`], operation for operation.
+#![allow(unsafe_code)]
+use std::arch::x86_64::*;
+
+use crate::data::{SurfelDepth, SurfelPose};
+use crate::shared::lookup;
+use glam::Vec3;
+
+/// Eight vectors, by coordinate.
+pub type Lanes3 = [__m256; 3];
+
+/// Eight surfels, in columns.
+#[derive(Clone, Copy)]
+pub struct Poses {
+    /// Position, metres.
+    pub position: Lanes3,
+    /// Radius, metres.
+    pub radius: __m256,
+    /// Normal.
+    pub normal: Lanes3,
+}
+
+const _: () = assert!(size_of::<SurfelPose>() == 32 && size_of::<SurfelDepth>() == 64);
+
+/// # Panics
+/// If one of eight surfels does not exist.
+#[inline(always)]
+fn check(ids: &[u32; 8], count: usize) {
+    let most = ids.iter().fold(0, |most, &id| id.max(most));
+    assert!((most as usize) < count, "surfel {most} of {count}");
+}
+
+/// Which of eight surfels reach as far as a point, whatever way they face, with so many times their radii: a bit for each.
+/// None has any weight there without that, since the distance that weights depend on is never shorter.
+///
+/// # Safety
+/// As [`Poses::load`].
+#[inline(always)]
+pub unsafe fn near(poses: &[SurfelPose], ids: &[u32; 8], reach: f32, point: &Lanes3) -> u32 {
+    check(ids, poses.len());
+    // SAFETY: the surfels exist, position and radius are the first four words of a pose, and the loads need no alignment;
+    // the caller has AVX2.
+    unsafe {
+        let row = |lane: usize| _mm_loadu_ps(poses.as_ptr().add(ids[lane] as usize).cast());
+        // Transposes the rows: halves, then pairs of words, then pairs of pairs.
+        let r0 = _mm256_set_m128(row(4), row(0));
+        let r1 = _mm256_set_m128(row(5), row(1));
+        let r2 = _mm256_set_m128(row(6), row(2));
+        let r3 = _mm256_set_m128(row(7), row(3));
+        let (a0, a1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+        let (a2, a3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+        let d = [
+            _mm256_sub_ps(point[0], _mm256_shuffle_ps::<0x44>(a0, a2)),
+            _mm256_sub_ps(point[1], _mm256_shuffle_ps::<0xee>(a0, a2)),
+            _mm256_sub_ps(point[2], _mm256_shuffle_ps::<0x44>(a1, a3)),
+        ];
+        let radius = _mm256_mul_ps(_mm256_set1_ps(reach), _mm256_shuffle_ps::<0xee>(a1, a3));
+        let within = _mm256_cmp_ps::<_CMP_LT_OQ>(dot(&d, &d), _mm256_mul_ps(radius, radius));
+        _mm256_movemask_ps(within) as u32
+    }
+}
+
+impl Poses {
+    /// # Safety
+    /// Inlined into functions for processors with AVX2 only: as a call of its own, it would pass its result through
+    /// memory, in the innermost loop.
+    #[inline(always)]
+    pub unsafe fn load(poses: &[SurfelPose], ids: &[u32; 8]) -> Self {
+        check(ids, poses.len());
+        // SAFETY: the surfels exist, a pose is eight words, all of which are valid numbers, and the loads need no
+        // alignment; the caller has AVX2.
+        unsafe {
+            let row = |lane: usize| poses.as_ptr().add(ids[lane] as usize).cast::<f32>();
+            // Transposes eight rows: pairs of words, then pairs of pairs, then halves.
+            let (r0, r1) = (_mm256_loadu_ps(row(0)), _mm256_loadu_ps(row(1)));
+            let (r2, r3) = (_mm256_loadu_ps(row(2)), _mm256_loadu_ps(row(3)));
+            let (r4, r5) = (_mm256_loadu_ps(row(4)), _mm256_loadu_ps(row(5)));
+            let (r6, r7) = (_mm256_loadu_ps(row(6)), _mm256_loadu_ps(row(7)));
+            let (a0, a1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+            let (a2, a3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+            let (a4, a5) = (_mm256_unpacklo_ps(r4, r5), _mm256_unpackhi_ps(r4, r5));
+            let (a6, a7) = (_mm256_unpacklo_ps(r6, r7), _mm256_unpackhi_ps(r6, r7));
+            let b0 = _mm256_shuffle_ps::<0x44>(a0, a2);
+            let b1 = _mm256_shuffle_ps::<0xee>(a0, a2);
+            let b2 = _mm256_shuffle_ps::<0x44>(a1, a3);
+            let b3 = _mm256_shuffle_ps::<0xee>(a1, a3);
+            let b4 = _mm256_shuffle_ps::<0x44>(a4, a6);
+            let b5 = _mm256_shuffle_ps::<0xee>(a4, a6);
+            let b6 = _mm256_shuffle_ps::<0x44>(a5, a7);
+            let b7 = _mm256_shuffle_ps::<0xee>(a5, a7);
+            Poses {
+                position: [
+                    _mm256_permute2f128_ps::<0x20>(b0, b4),
+                    _mm256_permute2f128_ps::<0x20>(b1, b5),
+                    _mm256_permute2f128_ps::<0x20>(b2, b6),
+                ],
+                radius: _mm256_permute2f128_ps::<0x20>(b3, b7),
+                normal: [
+                    _mm256_permute2f128_ps::<0x31>(b0, b4),
+                    _mm256_permute2f128_ps::<0x31>(b1, b5),
+                    _mm256_permute2f128_ps::<0x31>(b2, b6),
+                ],
+            }
+        }
+    }
+
+    /// One surfel, eight times.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn repeated(pose: &SurfelPose) -> Self {
+        Poses {
+            position: all(pose.position),
+            radius: _mm256_set1_ps(pose.radius),
+            normal: all(pose.normal),
+        }
+    }
+
+    /// From each surfel to a point.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn to(&self, point: &Lanes3) -> Lanes3 {
+        [
+            _mm256_sub_ps(point[0], self.position[0]),
+            _mm256_sub_ps(point[1], self.position[1]),
+            _mm256_sub_ps(point[2], self.position[2]),
+        ]
+    }
+
+    /// The same surfels with so many times the radius.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn reaching(self, reach: f32) -> Self {
+        let radius = _mm256_mul_ps(_mm256_set1_ps(reach), self.radius);
+        Poses { radius, ..self }
+    }
+
+    /// [`lookup::falloff`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn falloff(&self, d: &Lanes3) -> __m256 {
+        let h = dot(d, &self.normal);
+        let flat = _mm256_set1_ps(lookup::SQUASH * lookup::SQUASH - 1.0);
+        let along = _mm256_mul_ps(_mm256_mul_ps(flat, h), h);
+        let squared = _mm256_div_ps(
+            _mm256_add_ps(dot(d, d), along),
+            _mm256_mul_ps(self.radius, self.radius),
+        );
+        let k = positive(_mm256_sub_ps(_mm256_set1_ps(1.0), squared));
+        _mm256_mul_ps(_mm256_mul_ps(_mm256_set1_ps(lookup::PEAK), k), k)
+    }
+
+    /// [`lookup::alignment`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn alignment(&self, normal: &Lanes3) -> __m256 {
+        let c = positive(dot(normal, &self.normal));
+        let squared = _mm256_mul_ps(c, c);
+        let fourth = _mm256_mul_ps(squared, squared);
+        _mm256_mul_ps(fourth, fourth)
+    }
+
+    /// [`lookup::visibility`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn visibility(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
+        let d = self.to(point);
+        let distance = _mm256_sqrt_ps(dot(&d, &d));
+        let touching =
+            _mm256_cmp_ps::<_CMP_LT_OQ>(distance, _mm256_mul_ps(_mm256_set1_ps(0.02), self.radius));
+        let direction = [
+            _mm256_div_ps(d[0], distance),
+            _mm256_div_ps(d[1], distance),
+            _mm256_div_ps(d[2], distance),
+        ];
+        let m = moments(depths, ids, &to_local(&direction, &self.normal));
+        let t = _mm256_div_ps(distance, _mm256_mul_ps(_mm256_set1_ps(2.0), self.radius));
+        let share = chebyshev(&m, t);
+        _mm256_blendv_ps(share, _mm256_set1_ps(1.0), touching)
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn all(v: Vec3) -> Lanes3 {
+    [
+        _mm256_set1_ps(v.x),
+        _mm256_set1_ps(v.y),
+        _mm256_set1_ps(v.z),
+    ]
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
+    let xy = _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1]));
+    _mm256_add_ps(xy, _mm256_mul_ps(a[2], b[2]))
+}
+
+/// The number, or zero where it is negative or none.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn positive(x: __m256) -> __m256 {
+    _mm256_max_ps(x, _mm256_setzero_ps())
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn negated(x: __m256) -> __m256 {
+    _mm256_xor_ps(x, _mm256_set1_ps(-0.0))
+}
+
+/// [`crate::shared::sampling::to_local`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
+    let one = _mm256_set1_ps(1.0);
+    let up = _mm256_cmp_ps::<_CMP_GE_OQ>(n[2], _mm256_setzero_ps());
+    let sign = _mm256_blendv_ps(_mm256_set1_ps(-1.0), one, up);
+    let a = _mm256_div_ps(_mm256_set1_ps(-1.0), _mm256_add_ps(sign, n[2]));
+    let b = _mm256_mul_ps(_mm256_mul_ps(n[0], n[1]), a);
+    let signed_x = _mm256_mul_ps(sign, n[0]);
+    let tangent = [
+        _mm256_add_ps(one, _mm256_mul_ps(_mm256_mul_ps(signed_x, n[0]), a)),
+        _mm256_mul_ps(sign, b),
+        negated(signed_x),
+    ];
+    let bitangent = [
+        b,
+        _mm256_add_ps(sign, _mm256_mul_ps(_mm256_mul_ps(n[1], n[1]), a)),
+        negated(n[1]),
+    ];
+    [dot(world, &tangent), dot(world, &bitangent), dot(world, n)]
+}
+
+/// [`lookup::depth_moments`] in a direction that is clamped to the hemisphere first.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
+    let (zero, half, one) = (
+        _mm256_setzero_ps(),
+        _mm256_set1_ps(0.5),
+        _mm256_set1_ps(1.0),
+    );
+    let minus = _mm256_set1_ps(-0.0);
+    let side = _mm256_set1_ps(lookup::DEPTH_SIDE as f32);
+    let last = _mm256_set1_ps(lookup::DEPTH_SIDE as f32 - 1.0);
+    let sum = _mm256_add_ps(
+        _mm256_andnot_ps(minus, local[0]),
+        _mm256_andnot_ps(minus, local[1]),
+    );
+    let sum = _mm256_add_ps(sum, positive(local[2]));
+    let (x, y) = (_mm256_div_ps(local[0], sum), _mm256_div_ps(local[1], sum));
+    let place = |s: __m256| {
+        let unit = _mm256_add_ps(_mm256_mul_ps(s, half), half);
+        _mm256_sub_ps(_mm256_mul_ps(unit, side), half)
+    };
+    let (u, v) = (place(_mm256_add_ps(x, y)), place(_mm256_sub_ps(x, y)));
+    let (u0, v0) = (_mm256_floor_ps(u), _mm256_floor_ps(v));
+    let (fu, fv) = (_mm256_sub_ps(u, u0), _mm256_sub_ps(v, v0));
+    // The second operand is taken where the first is not a number, as by a conversion to integer.
+    let clamped = |c: __m256| _mm256_cvttps_epi32(_mm256_min_ps(_mm256_max_ps(c, zero), last));
+    let columns = [clamped(u0), clamped(_mm256_add_ps(u0, one))];
+    let rows = [
+        _mm256_slli_epi32::<2>(clamped(v0)),
+        _mm256_slli_epi32::<2>(clamped(_mm256_add_ps(v0, one))),
+    ];
+    let surfels: [*const u32; 8] =
+        std::array::from_fn(|lane| depths[ids[lane] as usize].texels.as_ptr());
+    let texel = |row: __m256i, column: __m256i| {
+        let mut index = [0u32; 8];
+        // SAFETY: the store writes the eight words of the array and needs no alignment.
+        unsafe { _mm256_storeu_si256(index.as_mut_ptr().cast(), _mm256_add_epi32(row, column)) };
+        // SAFETY: row and column are clamped to 0..=3, so that the index stays below the 16 texels.
+        let word = |lane: usize| unsafe { *surfels[lane].add(index[lane] as usize) } as i32;
+        let words = _mm256_setr_epi32(
+            word(0),
+            word(1),
+            word(2),
+            word(3),
+            word(4),
+            word(5),
+            word(6),
+            word(7),
+        );
+        [
+            _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xffff))),
+            _mm256_cvtepi32_ps(_mm256_srli_epi32::<16>(words)),
+        ]
+    };
+    let corners = [
+        texel(rows[0], columns[0]),
+        texel(rows[0], columns[1]),
+        texel(rows[1], columns[0]),
+        texel(rows[1], columns[1]),
+    ];
+    let (gu, gv) = (_mm256_sub_ps(one, fu), _mm256_sub_ps(one, fv));
+    let blend = |a, b, f, g| _mm256_add_ps(_mm256_mul_ps(a, g), _mm256_mul_ps(b, f));
+    let scale = _mm256_set1_ps(lookup::MOMENT_SCALE);
+    let moment = |k: usize| {
+        let top = blend(corners[0][k], corners[1][k], fu, gu);
+        let bottom = blend(corners[2][k], corners[3][k], fu, gu);
+        _mm256_mul_ps(blend(top, bottom, fv, gv), scale)
+    };
+    [moment(0), moment(1)]
+}
+
+/// [`lookup::chebyshev`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn chebyshev(m: &[__m256; 2], t: __m256) -> __m256 {
+    let one = _mm256_set1_ps(1.0);
+    let variance = _mm256_max_ps(
+        _mm256_sub_ps(m[1], _mm256_mul_ps(m[0], m[0])),
+        _mm256_set1_ps(lookup::LEAST_VARIANCE),
+    );
+    let d = _mm256_sub_ps(t, m[0]);
+    let bound = _mm256_div_ps(variance, _mm256_add_ps(variance, _mm256_mul_ps(d, d)));
+    let floor = lookup::CHEBYSHEV_FLOOR;
+    let tight = positive(_mm256_div_ps(
+        _mm256_sub_ps(bound, _mm256_set1_ps(floor)),
+        _mm256_set1_ps(1.0 - floor),
+    ));
+    let cubed = _mm256_mul_ps(_mm256_mul_ps(tight, tight), tight);
+    _mm256_blendv_ps(cubed, one, _mm256_cmp_ps::<_CMP_LE_OQ>(t, m[0]))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn stored(x: __m256) -> [f32; 8] {
+    let mut lanes = [0.0; 8];
+    // SAFETY: the store writes the eight floats of the array and needs no alignment.
+    unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), x) };
+    lanes
+}
