@@ -21,7 +21,7 @@ pub const SQUASH: f32 = 4.0;
 pub const PEAK: f32 = 4.0;
 
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
-pub const AVERAGE_OF: usize = 16;
+pub const AVERAGE_OF: usize = 8;
 
 /// Summed weight below which a cell's average is not made up to a full one: where next to nothing of the cell is
 /// visible from a point, the little that shines through is a leak, and dividing by its weight would undo the depth

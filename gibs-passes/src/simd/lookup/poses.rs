@@ -259,29 +259,20 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
     let (fu, fv) = (_mm256_sub_ps(u, u0), _mm256_sub_ps(v, v0));
     // The second operand is taken where the first is not a number, as by a conversion to integer.
     let clamped = |c: __m256| _mm256_cvttps_epi32(_mm256_min_ps(_mm256_max_ps(c, zero), last));
+    check(ids, depths.len());
     let columns = [clamped(u0), clamped(_mm256_add_ps(u0, one))];
     let rows = [
         _mm256_slli_epi32::<2>(clamped(v0)),
         _mm256_slli_epi32::<2>(clamped(_mm256_add_ps(v0, one))),
     ];
-    let surfels: [*const u32; 8] =
-        std::array::from_fn(|lane| depths[ids[lane] as usize].texels.as_ptr());
+    // SAFETY: the load reads the eight words of the array and needs no alignment.
+    let ids = unsafe { _mm256_loadu_si256(ids.as_ptr().cast()) };
+    let first = _mm256_slli_epi32::<4>(ids);
     let texel = |row: __m256i, column: __m256i| {
-        let mut index = [0u32; 8];
-        // SAFETY: the store writes the eight words of the array and needs no alignment.
-        unsafe { _mm256_storeu_si256(index.as_mut_ptr().cast(), _mm256_add_epi32(row, column)) };
-        // SAFETY: row and column are clamped to 0..=3, so that the index stays below the 16 texels.
-        let word = |lane: usize| unsafe { *surfels[lane].add(index[lane] as usize) } as i32;
-        let words = _mm256_setr_epi32(
-            word(0),
-            word(1),
-            word(2),
-            word(3),
-            word(4),
-            word(5),
-            word(6),
-            word(7),
-        );
+        let index = _mm256_add_epi32(first, _mm256_add_epi32(row, column));
+        // SAFETY: the surfels exist; row and column are clamped to 0..=3, so that the index stays within the 16 texels of
+        // each.
+        let words = unsafe { _mm256_i32gather_epi32::<4>(depths.as_ptr().cast(), index) };
         [
             _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xffff))),
             _mm256_cvtepi32_ps(_mm256_srli_epi32::<16>(words)),
