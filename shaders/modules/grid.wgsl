@@ -1,11 +1,12 @@
 // The non-linear grid (GIBS, "Acceleration Structure"): uniform cells in a cube around the eye, and one trapezoidal
 // grid along each of the six half-axes.
 import package::portable::portable_log2;
-import package::types::GridShape;
+import package::lookup::LOOKUP_SQUASH;
+import package::types::{GridShape, SurfelPose};
 
 /// Number of grids: the cube and six half-axes.
 const GRID_PARTS: u32 = 7u;
-/// A sphere is taken this much larger when its cells are found, so that rounding leaves none out.
+/// What a surfel reaches is taken this much larger when its cells are found, so that rounding leaves none out.
 const GRID_MARGIN: f32 = 1.001;
 /// A surfel's radius is at most this share of its cell's side.
 const GRID_RADIUS_SHARE: f32 = 0.5;
@@ -63,16 +64,37 @@ struct GridSpan {
     high: vec3<u32>,
 }
 
-fn grid_over(x: f32, near_side: bool, near: f32, far: f32) -> f32 {
-    return x / select(far, near, near_side);
+/// How far a surfel reaches along each axis: the box around the flat ellipsoid outside which it has no weight.
+fn grid_extents(pose: SurfelPose) -> vec3<f32> {
+    let flat = 1.0 - 1.0 / (LOOKUP_SQUASH * LOOKUP_SQUASH);
+    let across = max(vec3<f32>(1.0) - pose.normal * pose.normal * flat, vec3<f32>(0.0));
+    return pose.radius * GRID_MARGIN * sqrt(across);
 }
 
-/// The cells of one of the grids that a sphere can overlap: all that it does, and a few more. A cell is in at most one
-/// part's span.
-fn grid_span(position: vec3<f32>, radius: f32, shape: GridShape, part: u32) -> GridSpan {
+fn grid_low(x: f32, near: f32, far: f32) -> f32 {
+    return x / select(far, near, x < 0.0);
+}
+
+fn grid_high(x: f32, near: f32, far: f32) -> f32 {
+    return x / select(far, near, x > 0.0);
+}
+
+/// Coordinates along a face's axis and the other two, in order.
+fn grid_turned(v: vec3<f32>, face: u32) -> vec3<f32> {
+    if face < 2u {
+        return v.xyz;
+    }
+    if face < 4u {
+        return v.yxz;
+    }
+    return v.zxy;
+}
+
+/// The cells of one of the grids that a box around a position, which reaches `r` along each axis, can overlap: all that it
+/// does, and a few more. A cell is in at most one part's span.
+fn grid_span(position: vec3<f32>, r: vec3<f32>, shape: GridShape, part: u32) -> GridSpan {
     var span: GridSpan;
     let d = position - shape.centre;
-    let r = radius * GRID_MARGIN;
     let side = shape.side;
     if part == 0u {
         let low = (d - r) / shape.half;
@@ -86,25 +108,19 @@ fn grid_span(position: vec3<f32>, radius: f32, shape: GridShape, part: u32) -> G
         return span;
     }
     let face = part - 1u;
-    var axes = d.zxy;
-    if face < 2u {
-        axes = d.xyz;
-    } else if face < 4u {
-        axes = d.yxz;
-    }
+    let axes = grid_turned(d, face);
+    let reach = grid_turned(r, face);
     let along = select(axes.x, -axes.x, (face & 1u) == 1u);
-    let b = axes.y;
-    let c = axes.z;
-    let far = along + r;
-    if far < shape.half || abs(b) - r > far || abs(c) - r > far {
+    let far = along + reach.x;
+    if far < shape.half || abs(axes.y) - reach.y > far || abs(axes.z) - reach.z > far {
         return span;
     }
     // Within the half-axis's pyramid the main coordinate lies between the two; a lateral one is divided by it.
-    let near = max(along - r, shape.half);
-    let u0 = grid_over(b - r, b - r < 0.0, near, far);
-    let u1 = grid_over(b + r, b + r > 0.0, near, far);
-    let v0 = grid_over(c - r, c - r < 0.0, near, far);
-    let v1 = grid_over(c + r, c + r > 0.0, near, far);
+    let near = max(along - reach.x, shape.half);
+    let u0 = grid_low(axes.y - reach.y, near, far);
+    let u1 = grid_high(axes.y + reach.y, near, far);
+    let v0 = grid_low(axes.z - reach.z, near, far);
+    let v1 = grid_high(axes.z + reach.z, near, far);
     span.found = true;
     span.base = side * side * side + face * shape.slices * side * side;
     span.low = vec3<u32>(grid_index(u0, side), grid_index(v0, side), grid_slice(near, shape));

@@ -27,7 +27,7 @@ const GROUP: u32 = 16u;
 /// Coverage, over that at which spawning stops, below which a birth is certain.
 const HOLE: f32 = 0.5;
 
-/// Coverage, over that at which spawning stops, below which a tile may have a gap between the pixels that stand for it.
+/// Coverage, over that at which spawning stops, below which a texel may have a gap at another pixel.
 const AMPLE: f32 = 2.0;
 
 /// Per tile: coverage over twice the wanted one in bits 16-31, a hash that breaks ties in bits 10-15, which of the texel's pixels
@@ -52,15 +52,16 @@ fn pixel(here: vec2<u32>, turn: u32) -> vec2<u32> {
     return upsample_pixel_of(here, settings.stride, frame.number + turn, size);
 }
 
-/// Holds a pixel of a texel against the least covered one of its tile, the `within`th of the workgroup.
-fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) {
+/// Holds a pixel of a texel against the least covered one of its tile, the `within`th of the workgroup. Whether it is
+/// covered amply.
+fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) -> bool {
     if any(here * settings.stride >= vec2<u32>(camera.width, camera.height)) {
-        return;
+        return true;
     }
     let at = pixel(here, turn);
     let point = points[at.y * camera.width + at.x];
     if !surface_is_surface(point) {
-        return;
+        return false;
     }
     let normal = octahedral_unpack(point.shading_normal);
     let coverage = lookup_coverage(point.position, normal);
@@ -68,6 +69,7 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) {
     let place = (turn << 8u) | lane;
     let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
     atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 10u) | place);
+    return share >= 1.0;
 }
 
 @compute @workgroup_size(16, 16)
@@ -87,12 +89,7 @@ fn main(
     workgroupBarrier();
     let here = texel(group, lane);
     let within = lane / GROUP / side * across + lane % GROUP / side;
-    look(here, lane, 0u, within, first + within);
-    workgroupBarrier();
-    // In a tile that may have a gap, the other pixels of its texels as well. Whoever looks only makes the value smaller,
-    // and in the other tiles nobody does.
-    let is_doubtful = (atomicLoad(&least[within]) >> 16u) < 65534u;
-    if is_doubtful {
+    if !look(here, lane, 0u, within, first + within) {
         for (var turn = 1u; turn < settings.stride * settings.stride; turn++) {
             look(here, lane, turn, within, first + within);
         }

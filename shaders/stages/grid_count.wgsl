@@ -1,5 +1,5 @@
-// How many surfels each cell lists: every live surfel counts in each cell that its bounding box overlaps.
-import package::grid::{GRID_PARTS, grid_span};
+// How many surfels each cell lists: every live surfel counts in each cell that the box around it overlaps.
+import package::grid::{GRID_PARTS, grid_extents, grid_span};
 import package::invocation::invocation_index;
 import package::types::{GridShape, SurfelPose};
 
@@ -21,8 +21,9 @@ fn main(
     if pose.radius <= 0.0 {
         return;
     }
+    let reach = grid_extents(pose);
     for (var part = 0u; part < GRID_PARTS; part++) {
-        let span = grid_span(pose.position, pose.radius, grid, part);
+        let span = grid_span(pose.position, reach, grid, part);
         if !span.found {
             continue;
         }

@@ -1,5 +1,5 @@
 // Surfels into the lists of their cells, in the order of arrival; `grid_order` makes one that does not depend on it.
-import package::grid::{GRID_PARTS, grid_span};
+import package::grid::{GRID_PARTS, grid_extents, grid_span};
 import package::invocation::invocation_index;
 import package::types::{GridShape, SurfelPose};
 
@@ -23,8 +23,9 @@ fn main(
     if pose.radius <= 0.0 {
         return;
     }
+    let reach = grid_extents(pose);
     for (var part = 0u; part < GRID_PARTS; part++) {
-        let span = grid_span(pose.position, pose.radius, grid, part);
+        let span = grid_span(pose.position, reach, grid, part);
         if !span.found {
             continue;
         }

@@ -1,7 +1,8 @@
 //! The non-linear grid (GIBS, "Acceleration Structure"): uniform cells in a cube around the eye, and one trapezoidal
 //! grid along each of the six half-axes. Lookup is closed form; every point lies in exactly one cell.
+use super::lookup;
 use super::portable::log2;
-use crate::data::GridShape;
+use crate::data::{GridShape, SurfelPose};
 use glam::Vec3;
 
 /// A surfel's radius is at most this share of its cell's side, which bounds the cells that list it.
@@ -115,14 +116,22 @@ pub struct Span {
 /// Number of grids: the cube and six half-axes.
 pub const PARTS: u32 = 7;
 
-/// A sphere is taken this much larger when its cells are found, so that rounding leaves none out.
+/// What a surfel reaches is taken this much larger when its cells are found, so that rounding leaves none out.
 const MARGIN: f32 = 1.001;
 
-/// The cells of one of the [`PARTS`] that a sphere can overlap: all that it does, and a few more. A cell is in at most
-/// one part's span.
+/// How far a surfel reaches along each axis, metres: the box around the flat ellipsoid outside which it has no weight.
 #[inline]
-pub fn span(position: Vec3, radius: f32, grid: &GridShape, part: u32) -> Option<Span> {
-    let (d, r, side) = (position - grid.centre, radius * MARGIN, grid.side);
+pub fn extents(pose: &SurfelPose) -> Vec3 {
+    const FLAT: f32 = 1.0 - 1.0 / (lookup::SQUASH * lookup::SQUASH);
+    let across = (Vec3::ONE - pose.normal * pose.normal * FLAT).max(Vec3::ZERO);
+    pose.radius * MARGIN * Vec3::new(across.x.sqrt(), across.y.sqrt(), across.z.sqrt())
+}
+
+/// The cells of one of the [`PARTS`] that a box around a position, which reaches so far along each axis, can overlap: all
+/// that it does, and a few more. A cell is in at most one part's span.
+#[inline]
+pub fn span(position: Vec3, r: Vec3, grid: &GridShape, part: u32) -> Option<Span> {
+    let (d, side) = (position - grid.centre, grid.side);
     if part == 0 {
         let (low, high) = ((d - r) / grid.half, (d + r) / grid.half);
         if low.max_element() > 1.0 || high.min_element() < -1.0 {
@@ -136,21 +145,23 @@ pub fn span(position: Vec3, radius: f32, grid: &GridShape, part: u32) -> Option<
         });
     }
     let face = part - 1;
-    let (along, b, c) = match face / 2 {
-        0 => (d.x, d.y, d.z),
-        1 => (d.y, d.x, d.z),
-        _ => (d.z, d.x, d.y),
+    let turned = |v: Vec3| match face / 2 {
+        0 => v,
+        1 => Vec3::new(v.y, v.x, v.z),
+        _ => Vec3::new(v.z, v.x, v.y),
     };
-    let along = if face % 2 == 1 { -along } else { along };
-    let far = along + r;
-    if far < grid.half || b.abs() - r > far || c.abs() - r > far {
+    let (d, r) = (turned(d), turned(r));
+    let along = if face % 2 == 1 { -d.x } else { d.x };
+    let far = along + r.x;
+    if far < grid.half || d.y.abs() - r.y > far || d.z.abs() - r.z > far {
         return None;
     }
     // Within the half-axis's pyramid the main coordinate lies between the two; a lateral one is divided by it.
-    let near = (along - r).max(grid.half);
-    let over = |x: f32, near_side: bool| if near_side { x / near } else { x / far };
-    let (u0, u1) = (over(b - r, b - r < 0.0), over(b + r, b + r > 0.0));
-    let (v0, v1) = (over(c - r, c - r < 0.0), over(c + r, c + r > 0.0));
+    let near = (along - r.x).max(grid.half);
+    let low = |x: f32| if x < 0.0 { x / near } else { x / far };
+    let high = |x: f32| if x > 0.0 { x / near } else { x / far };
+    let (u0, u1) = (low(d.y - r.y), high(d.y + r.y));
+    let (v0, v1) = (low(d.z - r.z), high(d.z + r.z));
     Some(Span {
         base: side * side * side + face * grid.slices * side * side,
         low: [index(u0, side), index(v0, side), slice(near, grid)],
@@ -158,10 +169,11 @@ pub fn span(position: Vec3, radius: f32, grid: &GridShape, part: u32) -> Option<
     })
 }
 
-/// Calls `each` with every cell that a sphere can overlap, once.
+/// Calls `each` with every cell that a surfel can overlap, once.
 #[inline]
-pub fn overlapped(position: Vec3, radius: f32, grid: &GridShape, mut each: impl FnMut(u32)) {
-    for span in (0..PARTS).filter_map(|part| span(position, radius, grid, part)) {
+pub fn overlapped(pose: &SurfelPose, grid: &GridShape, mut each: impl FnMut(u32)) {
+    let reach = extents(pose);
+    for span in (0..PARTS).filter_map(|part| span(pose.position, reach, grid, part)) {
         for z in span.low[2]..=span.high[2] {
             for y in span.low[1]..=span.high[1] {
                 for x in span.low[0]..=span.high[0] {
@@ -236,17 +248,33 @@ mod tests {
         }
     }
 
-    /// A point inside a surfel's sphere always finds the surfel in its own cell.
+    /// A point to which a surfel gives light always finds the surfel in its own cell.
     #[test]
-    fn a_point_in_a_sphere_lies_in_an_overlapped_cell() {
+    fn a_point_in_a_surfel_lies_in_an_overlapped_cell() {
         let layout = GridLayout::new(32, 200.0);
         let grid = layout.at(Vec3::ZERO, 0.5);
+        let direction = |i, k| {
+            Vec3::new(
+                random_unit(i, k),
+                random_unit(i, k + 1),
+                random_unit(i, k + 2),
+            )
+            .normalize()
+        };
         for i in 0..100_000 {
             let scale = 0.5 * 10f32.powf(1.2 + 1.2 * random_unit(i, 3));
             let p = Vec3::new(random_unit(i, 0), random_unit(i, 1), random_unit(i, 2)) * scale;
-            let radius = cell_side(p, &grid) * RADIUS_SHARE;
+            let pose = SurfelPose {
+                position: p,
+                radius: cell_side(p, &grid) * RADIUS_SHARE,
+                normal: match i % 4 {
+                    0 => Vec3::NEG_Y,
+                    _ => direction(i, 7),
+                },
+                identity: i,
+            };
             let mut cells = Vec::new();
-            overlapped(p, radius, &grid, |cell| cells.push(cell));
+            overlapped(&pose, &grid, |cell| cells.push(cell));
             let distinct: std::collections::BTreeSet<u32> = cells.iter().copied().collect();
             assert_eq!(
                 distinct.len(),
@@ -254,9 +282,13 @@ mod tests {
                 "a cell is listed twice around {p}"
             );
             assert!(cells.iter().all(|&c| c < layout.cells()));
-            let q = p + Vec3::new(random_unit(i, 4), random_unit(i, 5), random_unit(i, 6))
-                .normalize()
-                * radius;
+            // On the ellipsoid's surface: of a sphere, squashed along the normal.
+            let on_sphere = direction(i, 4);
+            let along = on_sphere.dot(pose.normal) * (1.0 - 1.0 / lookup::SQUASH);
+            let d = (on_sphere - pose.normal * along) * pose.radius;
+            assert!(lookup::falloff(d * 0.999, &pose) > 0.0);
+            assert!(lookup::falloff(d * 1.001, &pose) == 0.0);
+            let q = p + d;
             assert!(cells.contains(&cell(q, &grid)), "{q} around {p}");
         }
     }

@@ -13,7 +13,7 @@ stage! {
     /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
     /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
-    /// its pixels stands for it, another each frame; but in a tile that may have a gap all of them are looked at, so that
+    /// its pixels stands for it, another each frame; but where that is not amply covered all of them are looked at, so that
     /// the least covered one does not wait for its turn while the camera moves on.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
@@ -47,11 +47,13 @@ pub const LEAST_TILE: u32 = 2;
 /// up more of a pixel's light than its surfels.
 pub const HOLE: f32 = 0.5;
 
-/// Coverage, over that at which spawning stops, below which a tile may have a gap between the pixels that stand for it:
-/// coverage falls from here to a hole within a quarter of a radius.
+/// Coverage, over that at which spawning stops, below which a texel may have a gap at another pixel: coverage falls from
+/// here to a hole within a quarter of a radius.
 pub const AMPLE: f32 = 2.0;
 
 const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
+
+const SIDE: usize = GROUP as usize;
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     fill(p, group, |place, surfels, unseen| {
@@ -113,38 +115,34 @@ fn fill(
         let point = &p.points[(at.y * size.x + at.x) as usize];
         surface::is_surface(point).then_some(point)
     };
-    let look = |least: &mut [u32; MOST_TILES], row: u32, turn: u32, wanted: &[bool; MOST_TILES]| {
+    // Looks at a pixel of each wanted texel of a row, and wants no more of those that are covered amply.
+    let look = |least: &mut [u32; MOST_TILES], row: u32, turn: u32, wanted: &mut [bool; SIDE]| {
         let lane = |column: usize| row * GROUP + column as u32;
-        let point = |column: usize| match wanted[within(lane(column)) as usize] {
-            true => seen(lane(column), turn),
-            false => None,
-        };
-        let points: [_; GROUP as usize] = std::array::from_fn(point);
-        let lists: [_; GROUP as usize] = surfels.lists(|column| Some(points[column]?.position));
+        let point = |column: usize| seen(lane(column), turn).filter(|_| wanted[column]);
+        let points: [_; SIDE] = std::array::from_fn(point);
+        let lists: [_; SIDE] = surfels.lists(|column| Some(points[column]?.position));
         for (column, (point, list)) in points.iter().zip(lists).enumerate() {
             let Some(point) = point else { continue };
-            let (lane, place) = (
-                lane(column),
-                Place {
-                    position: point.position,
-                    normal: octahedral::unpack(point.shading_normal),
-                    list,
-                },
-            );
+            let place = Place {
+                position: point.position,
+                normal: octahedral::unpack(point.shading_normal),
+                list,
+            };
             let coverage = coverage(&place, &surfels, p.unseen);
             let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
+            wanted[column] = share < 1.0;
+            let lane = lane(column);
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
             let least = &mut least[within(lane) as usize];
             *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 10) | place);
         }
     };
-    let all = [true; MOST_TILES];
-    (0..GROUP).for_each(|row| look(&mut least, row, 0, &all));
-    if stride > 1 {
-        let doubtful = least.map(|least| least >> 16 < 65_534);
-        for row in 0..GROUP {
-            (1..stride * stride).for_each(|turn| look(&mut least, row, turn, &doubtful));
+    for row in 0..GROUP {
+        let mut wanted = [true; SIDE];
+        look(&mut least, row, 0, &mut wanted);
+        for turn in 1..stride * stride {
+            look(&mut least, row, turn, &mut wanted.clone());
         }
     }
     for (tile, &least) in (first..).zip(&least[..(across * across) as usize]) {

@@ -25,7 +25,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.poses.len() as u32) {
         let pose = &p.poses[i];
         if pose.radius > 0.0 {
-            grid::overlapped(pose.position, pose.radius, p.grid, |cell| {
+            grid::overlapped(pose, p.grid, |cell| {
                 let slot = (p.starts[cell as usize] + p.cursors.add(cell as usize, 1)) as usize;
                 if slot < p.entries.len() {
                     p.entries.set(slot, i as u32);
