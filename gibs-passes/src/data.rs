@@ -347,21 +347,12 @@ element! {
         trust: f32,
     }
 
-    /// What a surfel's neighbours say about its irradiance.
+    /// What a surfel's neighbours say about its irradiance, see [`Said`](crate::shared::sharing::Said).
     pub struct Neighbours {
         /// Weighted mean of their irradiance, W/m^2.
         mean: Vec3,
-        /// How far to trust that, see [`SurfelLight`]; 0 where there are no neighbours.
-        trust: f32,
-        /// Variance of the luminance that one ray brings, here and around, W^2/m^4.
-        ray_variance: f32,
-        /// Variance of the luminance between this surfel's irradiance and the mean, beyond what the surfel's own noise
-        /// makes, W^2/m^4.
-        spread: f32,
-        /// Zero.
-        pad0: u32,
-        /// Zero.
-        pad1: u32,
+        /// Trust and noise, packed; 0 where there are no neighbours.
+        packed: u32,
     }
 
     /// How far the short means of surfels have left their long ones, as luminances.

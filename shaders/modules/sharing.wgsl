@@ -15,6 +15,67 @@ const SHARING_CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed.
 const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 
+/// Age, in frames, from which on a surfel asks only once in a period.
+const SHARING_FRESH: u32 = 16u;
+/// Frames from one time that a surfel asks to the next.
+const SHARING_PERIOD: u32 = 4u;
+/// Surfels that ask in the same frames.
+const SHARING_TOGETHER: u32 = 64u;
+/// Steps of a packed trust.
+const SHARING_TRUST_STEPS: f32 = 255.0;
+/// Bits that a packed ratio lacks of its float: the sign, and all but four of the mantissa.
+const SHARING_RATIO_SHIFT: u32 = 19u;
+
+/// What a surfel's neighbours say about its irradiance.
+struct SharingSaid {
+    mean: vec3<f32>,
+    trust: f32,
+    ray_variance: f32,
+    spread: f32,
+}
+
+fn sharing_pack_ratio(ratio: f32) -> u32 {
+    return (bitcast<u32>(min(ratio, 1.7014117e38)) + (1u << (SHARING_RATIO_SHIFT - 1u))) >> SHARING_RATIO_SHIFT;
+}
+
+fn sharing_unpack_ratio(bits: u32) -> f32 {
+    return bitcast<f32>((bits & 0xfffu) << SHARING_RATIO_SHIFT);
+}
+
+/// Trust in bits 0-7, and the variances over the square of the mean's luminance, the spread in bits 8-19.
+fn sharing_pack(said: SharingSaid) -> Neighbours {
+    if said.trust <= 0.0 {
+        return Neighbours();
+    }
+    let level = estimator_luminance(said.mean);
+    var spread = 0u;
+    var ray_variance = 0u;
+    if level > 0.0 {
+        spread = sharing_pack_ratio(said.spread / (level * level));
+        ray_variance = sharing_pack_ratio(said.ray_variance / (level * level));
+    }
+    let trust = u32(min(ceil(said.trust * SHARING_TRUST_STEPS), SHARING_TRUST_STEPS));
+    return Neighbours(said.mean, trust | (spread << 8u) | (ray_variance << 20u));
+}
+
+fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
+    let level = estimator_luminance(neighbours.mean);
+    let squared = level * level;
+    return SharingSaid(
+        neighbours.mean,
+        f32(neighbours.packed & 0xffu) / SHARING_TRUST_STEPS,
+        sharing_unpack_ratio(neighbours.packed >> 20u) * squared,
+        sharing_unpack_ratio(neighbours.packed >> 8u) * squared,
+    );
+}
+
+/// Whether a surfel asks in this frame; else what it was told before still holds.
+fn sharing_is_due(surfel: u32, state: SurfelIrradiance, frame: u32) -> bool {
+    return state.samples == 0u
+        || frame - state.since < SHARING_FRESH
+        || (surfel / SHARING_TOGETHER + frame) % SHARING_PERIOD == 0u;
+}
+
 /// Variance of the luminance of a surfel's long mean, W^2/m^4.
 fn sharing_mean_variance(state: SurfelIrradiance) -> f32 {
     return state.variance / f32(max(state.samples, 1u));
@@ -28,7 +89,7 @@ fn sharing_asks(state: SurfelIrradiance) -> bool {
 }
 
 /// What a surfel says, from its own irradiance and what its neighbours say.
-fn sharing_light(state: SurfelIrradiance, age: u32, neighbours: Neighbours) -> SurfelLight {
+fn sharing_light(state: SurfelIrradiance, age: u32, neighbours: SharingSaid) -> SurfelLight {
     let own = lookup_trust(age);
     if neighbours.trust == 0.0 {
         return SurfelLight(state.mean, select(0.0, own, state.samples > 0u));

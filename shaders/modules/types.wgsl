@@ -220,11 +220,7 @@ struct SurfelLight {
 
 struct Neighbours {
     mean: vec3<f32>,
-    trust: f32,
-    ray_variance: f32,
-    spread: f32,
-    pad0: u32,
-    pad1: u32,
+    packed: u32,
 }
 
 struct Drift {

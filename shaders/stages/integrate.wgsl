@@ -2,7 +2,7 @@
 import package::estimator::{estimator_forget, estimator_taken, estimator_update};
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
-import package::sharing::sharing_light;
+import package::sharing::{SharingSaid, sharing_light, sharing_unpack};
 import package::types::{
     ClampedLight, Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
 };
@@ -22,12 +22,12 @@ import package::types::{
 const PI: f32 = 3.1415927;
 
 @if(neighbours)
-fn said_around(surfel: u32) -> Neighbours {
-    return neighbours[surfel];
+fn said_around(surfel: u32) -> SharingSaid {
+    return sharing_unpack(neighbours[surfel]);
 }
 @else
-fn said_around(surfel: u32) -> Neighbours {
-    return Neighbours();
+fn said_around(surfel: u32) -> SharingSaid {
+    return SharingSaid();
 }
 
 @if(clamped)

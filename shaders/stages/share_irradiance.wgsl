@@ -4,7 +4,9 @@ import package::estimator::estimator_luminance;
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
-import package::sharing::{SHARING_MOST_RAYS, SHARING_REACH, sharing_asks, sharing_mean_variance};
+import package::sharing::{
+    SHARING_MOST_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
+};
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
 };
@@ -28,7 +30,7 @@ fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return 1.0;
 }
 
-fn ask(own: u32) -> Neighbours {
+fn ask(own: u32) -> SharingSaid {
     let own_pose = poses[own];
     let point = own_pose.position;
     let normal = own_pose.normal;
@@ -75,7 +77,7 @@ fn ask(own: u32) -> Neighbours {
         noise += counts * variance;
         trust += counts * lookup_trust(age);
     }
-    var said = Neighbours();
+    var said = SharingSaid();
     if ray_sum > 0.0 {
         said.ray_variance = ray_variance / ray_sum;
     }
@@ -104,9 +106,13 @@ fn main(
     if i >= arrayLength(&poses) {
         return;
     }
-    var said = Neighbours();
-    if poses[i].radius > 0.0 && sharing_asks(irradiance[i]) {
-        said = ask(i);
+    let state = irradiance[i];
+    if poses[i].radius <= 0.0 || !sharing_is_due(i, state, frame.number) {
+        return;
     }
-    neighbours[i] = said;
+    if sharing_asks(state) {
+        neighbours[i] = sharing_pack(ask(i));
+    } else {
+        neighbours[i] = Neighbours();
+    }
 }

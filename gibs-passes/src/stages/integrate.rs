@@ -70,7 +70,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             p.clamped.set(i, clamped);
         }
         let age = p.frame.number.wrapping_sub(state.since);
-        let neighbours = p.neighbours.get(i).copied().unwrap_or_default();
-        p.light.set(i, sharing::light(&state, age, &neighbours));
+        let said = p.neighbours.get(i).map(sharing::Said::unpack);
+        p.light
+            .set(i, sharing::light(&state, age, &said.unwrap_or_default()));
     }
 }

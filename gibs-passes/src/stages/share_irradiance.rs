@@ -9,7 +9,7 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup: distance,
+    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup: distance,
     /// normal and depth functions, of both (GIBS, "Irradiance Sharing").
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,
@@ -65,18 +65,24 @@ fn share(
     let states = p.irradiance.slice();
     let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
     let range = group.range(p.poses.len() as u32);
-    let asks = |i: usize| p.poses[i].radius > 0.0 && sharing::asks(&states[i]);
+    let number = p.frame.number;
+    let is_due =
+        |i: usize| p.poses[i].radius > 0.0 && sharing::is_due(i as u32, &states[i], number);
+    let asks = |i: usize| sharing::asks(&states[i]);
     let lists: [_; LANES] = surfels.lists(|lane| {
         let i = range.start + lane;
-        (i < range.end && asks(i)).then(|| p.poses[i].position)
+        (i < range.end && is_due(i) && asks(i)).then(|| p.poses[i].position)
     });
     for (own, list) in range.clone().zip(lists) {
+        if !is_due(own) {
+            continue;
+        }
         let mut asked = sharing::Asked::default();
         if asks(own) {
             neighbours(own, list, &surfels, states, &mut |id, weight| {
                 asked.add(&states[id], weight, age(id), id == own);
             });
         }
-        p.neighbours.set(own, asked.said());
+        p.neighbours.set(own, asked.said().pack());
     }
 }

@@ -19,8 +19,7 @@ pub(super) fn filter(
     radiance: &Buffer<Vec4>,
 ) -> Surfels {
     let capacity = surfels.poses.len();
-    let neighbours = settings.sharing.then(|| {
-        let neighbours = g.transient("neighbours", capacity);
+    let neighbours = surfels.neighbours.map(|neighbours| {
         let inputs = share_irradiance::Inputs {
             frame: &scene.frame,
             grid: &grid.shape,
@@ -39,7 +38,7 @@ pub(super) fn filter(
         )
         .neighbours
     });
-    let forget = forget(g, grid, &surfels);
+    let forget = forget(g, grid, &surfels.poses, &surfels.irradiance);
     let clamped = settings
         .clamp
         .then(|| g.transient("clamped_light", capacity));
@@ -70,20 +69,26 @@ pub(super) fn filter(
     Surfels {
         irradiance: integrated.irradiance,
         light: integrated.light,
+        neighbours,
         ..surfels
     }
 }
 
 /// Share of what they know that the surfels of each cell should forget, and by how much their light has changed.
-fn forget(g: &mut Graph, grid: &Grid, surfels: &Surfels) -> Buffer<Vec2> {
-    let capacity = surfels.poses.len();
+fn forget(
+    g: &mut Graph,
+    grid: &Grid,
+    poses: &Buffer<SurfelPose>,
+    irradiance: &Buffer<SurfelIrradiance>,
+) -> Buffer<Vec2> {
+    let capacity = poses.len();
     let blocks = g.transient(
         "drift_blocks",
         capacity.div_ceil(drift_blocks::BLOCK as u64),
     );
     let inputs = drift_blocks::Inputs {
-        poses: &surfels.poses,
-        irradiance: &surfels.irradiance,
+        poses,
+        irradiance,
         blocks,
     };
     let all = Dispatch::Elements(capacity);
@@ -103,7 +108,7 @@ fn forget(g: &mut Graph, grid: &Grid, surfels: &Surfels) -> Buffer<Vec2> {
     let inputs = measure_drift::Inputs {
         cells: &grid.cells,
         entries: &grid.entries,
-        irradiance: &surfels.irradiance,
+        irradiance,
         total: &total,
         forget,
     };

@@ -84,6 +84,8 @@ struct Surfels {
     poses: Buffer<SurfelPose>,
     irradiance: Buffer<SurfelIrradiance>,
     light: Buffer<SurfelLight>,
+    /// Where irradiance is shared: what each was told last.
+    neighbours: Option<Buffer<Neighbours>>,
     /// Where depth functions guard against leaks.
     depths: Option<Buffer<SurfelDepth>>,
     /// Where rays are guided.
@@ -97,6 +99,7 @@ struct SurfelStates {
     poses: State<SurfelPose>,
     irradiance: State<SurfelIrradiance>,
     light: State<SurfelLight>,
+    neighbours: Option<State<Neighbours>>,
     depths: Option<State<SurfelDepth>>,
     guides: Option<State<SurfelGuide>>,
     unseen: State<u32>,
@@ -109,6 +112,10 @@ impl Surfels {
         let (poses_state, poses) = g.state("surfel_poses", capacity, Initial::Zero);
         let (irradiance_state, irradiance) = g.state("surfel_irradiance", capacity, Initial::Zero);
         let (light_state, light) = g.state("surfel_light", capacity, Initial::Zero);
+        let (neighbours_state, neighbours) = settings
+            .sharing
+            .then(|| g.state("surfel_neighbours", capacity, Initial::Zero))
+            .unzip();
         let (guides_state, guides) = settings
             .guiding
             .then(|| g.state("surfel_guides", capacity, Initial::Zero))
@@ -128,6 +135,7 @@ impl Surfels {
                 poses: poses_state,
                 irradiance: irradiance_state,
                 light: light_state,
+                neighbours: neighbours_state,
                 depths: depths_state,
                 guides: guides_state,
                 unseen: unseen_state,
@@ -137,6 +145,7 @@ impl Surfels {
                 poses,
                 irradiance,
                 light,
+                neighbours,
                 depths,
                 guides,
                 unseen,
@@ -149,6 +158,9 @@ impl Surfels {
         g.keep(states.poses, self.poses);
         g.keep(states.irradiance, self.irradiance);
         g.keep(states.light, self.light);
+        if let (Some(state), Some(neighbours)) = (states.neighbours, self.neighbours) {
+            g.keep(state, neighbours);
+        }
         if let (Some(state), Some(depths)) = (states.depths, self.depths) {
             g.keep(state, depths);
         }
