@@ -1,8 +1,9 @@
 //! What happened to the surfels, in numbers.
+use gibs_passes::data::ClampedLight;
 use serde::Serialize;
 
 /// Surfels and what happened to them; see [`Renderer::counters`](crate::Renderer::counters).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Counters {
     /// Surfels that live.
@@ -19,4 +20,28 @@ pub struct Counters {
     pub rays: u32,
     /// Slots that were lost or given twice, after the last frame; `None` without the setting `check_slots`.
     pub slot_errors: Option<u32>,
+    /// What the firefly clamp took since the start; `None` without the setting `clamp`.
+    pub clamped: Option<Clamped>,
+}
+
+/// What the firefly clamp took since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Clamped {
+    /// Share of the luminance that surfel rays brought, in `[0, 1]`.
+    pub share: f32,
+    /// How many times it took some from a surfel, wrapping.
+    pub times: u32,
+}
+
+impl From<ClampedLight> for Clamped {
+    fn from(light: ClampedLight) -> Self {
+        let share = match light.brought > 0.0 {
+            true => light.taken / light.brought,
+            false => 0.0,
+        };
+        Self {
+            share,
+            times: light.samples,
+        }
+    }
 }

@@ -57,7 +57,7 @@ pub mod reference;
 pub mod renderer;
 pub mod view;
 
-pub use counters::Counters;
+pub use counters::{Clamped, Counters};
 pub use debug::DebugPicture;
 pub use gi::{Gi, HostImage};
 pub use gibs_graph as graph;

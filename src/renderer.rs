@@ -9,7 +9,7 @@ use crate::view::View;
 use gibs_graph::{
     Backend, BackendError, DispatchArgs, Element, Executable, Graph, GraphErrors, Schedule,
 };
-use gibs_passes::data::{self, HostGbufferError, SurfacePoint, SurfelCounters};
+use gibs_passes::data::{self, ClampedLight, HostGbufferError, SurfacePoint, SurfelCounters};
 use gibs_passes::device::{DeviceScene, DeviceSceneError};
 use gibs_passes::frame::{Screen, SettingError, Settings, SurfelOutputs};
 use gibs_passes::scene::{Camera, Scene, SceneDataError};
@@ -343,7 +343,8 @@ impl Renderer {
     /// [`RenderError::NoFrame`], [`RenderError::Backend`].
     pub fn counters(&mut self) -> Result<Counters, RenderError> {
         let surfels: SurfelCounters = self.only("counters")?;
-        let slot_errors = self.gi.schedule().output("slot_errors").is_some();
+        let has = |name| self.gi.schedule().output(name).is_some();
+        let (slot_errors, clamped) = (has("slot_errors"), has("clamped"));
         Ok(Counters {
             live: surfels.live,
             born: surfels.born,
@@ -353,6 +354,10 @@ impl Renderer {
             rays: self.only::<DispatchArgs>("rays")?.count,
             slot_errors: match slot_errors {
                 true => Some(self.only("slot_errors")?),
+                false => None,
+            },
+            clamped: match clamped {
+                true => Some(self.only::<ClampedLight>("clamped")?.into()),
                 false => None,
             },
         })

@@ -367,13 +367,13 @@ element! {
         pad: u32,
     }
 
-    /// What the firefly clamp took from a frame's rays.
+    /// What the firefly clamp took from rays.
     pub struct ClampedLight {
         /// Luminance of irradiance times rays that it took, W/m^2.
         taken: f32,
         /// Luminance of irradiance times rays that they brought, W/m^2.
         brought: f32,
-        /// Surfels that it took some from.
+        /// How many times it took some from a surfel.
         samples: u32,
         /// Zero.
         pad: u32,

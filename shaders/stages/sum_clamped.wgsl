@@ -1,4 +1,4 @@
-// What the firefly clamp took from all surfels, summed in a fixed order.
+// What the firefly clamp has taken from all surfels in all frames, summed in a fixed order.
 import package::types::ClampedLight;
 
 @group(0) @binding(0) var<storage, read> clamped: array<ClampedLight>;
@@ -27,6 +27,6 @@ fn main(@builtin(local_invocation_index) lane: u32) {
         workgroupBarrier();
     }
     if lane == 0u {
-        total[0] = sums[0];
+        total[0] = plus(total[0], sums[0]);
     }
 }

@@ -5,7 +5,7 @@ use super::run::warn_of;
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
-use crate::{DebugPicture, Renderer};
+use crate::{Clamped, DebugPicture, Renderer};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gibs_passes::frame::{DebugScale, DebugView};
 use serde::Serialize;
@@ -53,6 +53,8 @@ struct Summary {
     surfels: u32,
     surfels_without_slot: u32,
     grid_overflow: u32,
+    /// What the firefly clamp took; none without it.
+    clamped: Option<Clamped>,
     bytes: u64,
     seconds_to_first_frame: f64,
     /// Mean over the frames after the first; none where there is only one.
@@ -178,6 +180,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         surfels: counters.live,
         surfels_without_slot: counters.starved,
         grid_overflow: counters.overflow,
+        clamped: counters.clamped,
         bytes: renderer
             .executable()
             .schedule()
@@ -207,6 +210,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             summary.bytes as f64 / 1e6,
             summary.out.display()
         );
+        if let Some(Clamped { share, times }) = summary.clamped {
+            let percent = 100.0 * share;
+            say!(
+                "the firefly clamp took {percent:.3} % of the light of surfel rays, in {times} samples"
+            );
+        }
         if let Some(debug) = &summary.debug {
             say!("{debug}");
         }

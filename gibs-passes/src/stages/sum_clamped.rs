@@ -1,16 +1,16 @@
-//! `filtering/clamped`: what the firefly clamp took in all (I3).
+//! `filtering/clamped`: what the firefly clamp has taken in all (I3).
 use crate::data::ClampedLight;
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Sums what the clamp took from each surfel, in a fixed order: each of the workgroup's lanes every 256th surfel, then
-    /// pairs of lanes.
+    /// Adds up what the clamp took from each surfel, in a fixed order: each of the workgroup's lanes every 256th surfel, then
+    /// pairs of lanes, then the frames before.
     pub stage SumClamped {
         wgsl: gibs_shaders::stages::SUM_CLAMPED,
         workgroup: [256, 1, 1],
         ports: {
             read clamped: ClampedLight,
-            write total: ClampedLight,
+            read_write total: ClampedLight,
         },
         cpu: kernel,
         wide: None,
@@ -41,5 +41,5 @@ fn kernel(p: &Views<'_>, _: Workgroup) {
         }
         half /= 2;
     }
-    p.total.set(0, sums[0]);
+    p.total.set(0, plus(p.total.get(0), &sums[0]));
 }

@@ -3,7 +3,7 @@ use super::{Grid, Surfels};
 use crate::data::*;
 use crate::frame::{SceneInputs, Settings};
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph};
+use gibs_graph::{Buffer, Dispatch, Graph, Initial};
 use glam::{Vec2, Vec4};
 
 /// What the rays brought into the surfels' irradiance. `offsets` and `radiance` are of the rays.
@@ -60,11 +60,12 @@ pub(super) fn filter(
         Dispatch::Elements(capacity),
     );
     if let Some(clamped) = &integrated.clamped {
-        let total = g.transient("clamped", 1);
+        let (state, total) = g.state("clamped_total", 1, Initial::Zero);
         let inputs = sum_clamped::Inputs { clamped, total };
         let one = Dispatch::Groups([1, 1, 1]);
         let summed = g.add::<sum_clamped::SumClamped>("filtering/clamped", inputs, one);
         g.output("clamped", &summed.total);
+        g.keep(state, summed.total);
     }
     Surfels {
         irradiance: integrated.irradiance,
