@@ -155,25 +155,115 @@ fn a_cut_to_another_place_reuses_the_slots() {
     assert!((after[1] / expected[1] - 1.0).abs() < 0.03);
 }
 
+/// The Cornell box's camera, so many metres farther back.
+fn back(camera: &Camera, metres: f64) -> Camera {
+    let [_, _, forward] = camera.axes();
+    Camera {
+        position: camera.position - forward * metres,
+        target: camera.target - forward * metres,
+        ..*camera
+    }
+}
+
+/// Radii of the surfels that the last frame saw, over what would project to the wanted radius, in order; and births since
+/// the start.
+fn projected(renderer: &mut Renderer, eye: DVec3, wanted: f64) -> (Vec<f64>, u32) {
+    let origin = renderer.gi().scene().origin;
+    let eye = (eye - origin).as_vec3();
+    let exec = renderer.executable();
+    let poses: Vec<SurfelPose> = state(exec, "surfel_poses");
+    let unseen: Vec<u32> = state(exec, "surfel_unseen");
+    let seen = poses
+        .iter()
+        .zip(unseen)
+        .filter(|(pose, unseen)| pose.radius > 0.0 && *unseen == 0);
+    let ratio = |pose: &SurfelPose| f64::from(pose.radius / (pose.position - eye).length());
+    let mut ratios: Vec<f64> = seen.map(|(pose, _)| ratio(pose) / wanted).collect();
+    ratios.sort_by(f64::total_cmp);
+    (ratios, renderer.counters().expect("counters").born)
+}
+
+/// Coming closer, surfels shrink in the scene and more are born; going away, they grow again: on the screen they keep
+/// their size, but for those beside a wall.
+#[test]
+fn radii_keep_their_size_on_the_screen() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let settings = settings(2000);
+    let size = [96, 96];
+    // All surfels there are fit the radius to the room for them.
+    let pixel = 2.0 * (f64::from(view.camera.vfov) / 2.0).tan() / f64::from(size[1]);
+    let wanted = f64::from(settings.radius_in(size)) * pixel;
+    for backend in all_backends() {
+        let name = backend.name();
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &scene, &view, size, &settings, 0).expect("one");
+        let mut born = 0;
+        for metres in [6.0, 3.0, 0.0, 3.0, 6.0] {
+            let camera = back(&view.camera, metres);
+            renderer.set_camera(camera);
+            for _ in 0..24 {
+                renderer.frame().expect("a frame");
+            }
+            let (ratios, births) = projected(&mut renderer, camera.position, wanted);
+            let at = |share: f64| ratios[((ratios.len() - 1) as f64 * share) as usize];
+            let (low, median, high) = (at(0.0), at(0.5), at(1.0));
+            println!(
+                "{name}, {metres} m back: {} seen, {} born, radii {low:.3} .. {median:.3} .. {high:.3}",
+                ratios.len(),
+                births - born
+            );
+            born = births;
+            // Rounding of the two quotients; beside walls they keep a quarter.
+            assert!(low > 0.2499 && high < 1.0001, "{name}: {low} .. {high}");
+            assert!((median - 1.0).abs() < 1e-4, "{name}: {median}");
+        }
+    }
+}
+
+/// Surfels that a lookup does not visit cover nothing: where its list is full, a cell takes no more, and the number of
+/// surfels stays put.
+#[test]
+fn a_full_cell_takes_no_more() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let settings = Settings {
+        lookup: 16,
+        radius: 6.0,
+        ..settings(1000)
+    };
+    let mut live = Vec::new();
+    for backend in all_backends() {
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &scene, &view, [96, 96], &settings, 0).expect("one");
+        let mut counts = [0; 2];
+        for count in &mut counts {
+            for _ in 0..80 {
+                renderer.frame().expect("a frame");
+            }
+            *count = renderer.counters().expect("counters").live;
+        }
+        println!("{}: {counts:?} live", backend.name());
+        assert!(
+            counts[0] > 100 && counts[1] * 100 < counts[0] * 103,
+            "{counts:?}"
+        );
+        live.push(counts);
+    }
+    assert!(live.windows(2).all(|pair| pair[0] == pair[1]), "{live:?}");
+}
+
 /// Going away from a wall makes surfels too many; they thin out to a small multiple of those that are born there: a
 /// crowd begins at four times the coverage that is wanted, so that what random births make is left alone.
 #[test]
 fn backing_away_thins_out_a_crowd() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
     let settings = settings(2000);
-    let [_, _, forward] = view.camera.axes();
-    let back = |metres: f64| Camera {
-        position: view.camera.position - forward * metres,
-        target: view.camera.target - forward * metres,
-        ..view.camera
-    };
     let backend = cpu();
     let live = |path: &[(f64, u32)]| {
         let mut renderer =
             Renderer::new(backend.as_ref(), &scene, &view, [96, 96], &settings, 0).expect("one");
         let mut counts = Vec::new();
         for &(metres, frames) in path {
-            renderer.set_camera(back(metres));
+            renderer.set_camera(back(&view.camera, metres));
             for _ in 0..frames {
                 renderer.frame().expect("a frame");
             }

@@ -14,7 +14,7 @@ const LOOKUP_AVERAGE_OF: u32 = 8u;
 /// Summed weight at which a lookup at a ray's hit ends.
 const LOOKUP_ENOUGH_AT_HITS: f32 = 2.0;
 /// Summed weight below which a cell's average is not made up to a full one.
-const LOOKUP_AVERAGE_LEAST: f32 = 0.5;
+const LOOKUP_AVERAGE_LEAST: f32 = 0.25;
 /// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces.
 const LOOKUP_TRUSTED_AFTER: f32 = 32.0;
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.

@@ -69,7 +69,7 @@ impl Default for Settings {
             rays: 100_000,
             radius: 0.0,
             coverage: 1.0,
-            lookup: 256,
+            lookup: 1024,
             half_resolution: true,
             depth: true,
             depth_blend: 0.05,

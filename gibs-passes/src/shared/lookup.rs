@@ -26,7 +26,7 @@ pub const AVERAGE_OF: usize = 8;
 /// Summed weight below which a cell's average is not made up to a full one: where next to nothing of the cell is
 /// visible from a point, the little that shines through is a leak, and dividing by its weight would undo the depth
 /// functions.
-pub const AVERAGE_LEAST: f32 = 0.5;
+pub const AVERAGE_LEAST: f32 = 0.25;
 
 /// Summed weight at which a lookup at a ray's hit ends: the surfels of a list come in no order, so that its first ones are
 /// an unbiased subset, and what that adds in noise is little beside that of the ray. At a pixel it would show.
