@@ -66,6 +66,8 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
         "flicker after {} frames: mean {mean:.3} %, 99th percentile {p99:.2} %",
         args.settle
     );
+    let [lit, dark] = found.means;
+    println!("mean E {lit:.4} W/m^2, without the light {dark:.4}");
     for frame in [5, 10, 15, 20, 30, 45, 60] {
         let left = found
             .left

@@ -25,6 +25,9 @@ pub struct ReferenceOptions {
     pub samples: u32,
     /// Seed.
     pub seed: u32,
+    /// Whether each vertex of a path also sends a ray to a point of an emitter or of the sky, drawn by power. Without, only rays
+    /// that meet them by chance find their light: brute force, with the same mean and far more noise.
+    pub emitters: bool,
 }
 
 /// How certain a reference is.
@@ -116,6 +119,7 @@ pub fn reference(
                 samples,
                 number: frames,
                 seed,
+                emitters: options.emitters,
             },
         )?;
         exec.run()?;

@@ -4,9 +4,9 @@ mod common;
 use common::{all_backends, mean, settings};
 use gibs::graph::DispatchArgs;
 use gibs::passes::data::{SurfelIrradiance, SurfelPose};
-use gibs::passes::frame::Settings;
+use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::scene::{Camera, Environment};
-use gibs::{Renderer, builtin};
+use gibs::{Gi, Renderer, builtin};
 use glam::{DVec3, Vec3};
 
 fn state<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
@@ -267,7 +267,7 @@ fn a_view_of_the_sky_alone_needs_no_surfel() {
 fn a_cut_every_frame_leaves_everything_sound() {
     let (scene, view) = builtin::by_name("atrium").expect("built in");
     let settings = Settings {
-        surfels: 300,
+        surfels: 100,
         grid_lists: 2,
         check_slots: true,
         ..settings(500)
@@ -295,7 +295,7 @@ fn a_cut_every_frame_leaves_everything_sound() {
             let counters = renderer.counters().expect("reads");
             let place = format!("{}: frame {frame}: {counters:?}", backend.name());
             assert_eq!(counters.slot_errors, Some(0), "{place}");
-            assert!(counters.live <= 300 && counters.rays <= 500, "{place}");
+            assert!(counters.live <= 100 && counters.rays <= 500, "{place}");
             assert_eq!(counters.live, counters.born - counters.recycled, "{place}");
             most = most.max(counters.live);
             overflow += u64::from(counters.overflow);
@@ -314,4 +314,27 @@ fn a_cut_every_frame_leaves_everything_sound() {
         ends.push(counters);
     }
     assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
+}
+
+/// What a surfel of capacity takes from frame to frame, with everything switched on: the budget of 256 bytes. Lists of the
+/// grid, what stages hand on within a frame and what belongs to rays come on top.
+#[test]
+fn a_surfel_takes_at_most_256_bytes() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let states = |surfels: u32, guiding: bool| -> u64 {
+        let settings = Settings {
+            surfels,
+            guiding,
+            ..Settings::default()
+        };
+        let gi = Gi::new(&scene, &view, [64, 64], &settings, Screen::Traced).expect("compiles");
+        let schedule = gi.schedule();
+        let kept = schedule.resources.iter().filter(|r| r.kind.persists());
+        kept.map(|r| r.bytes * r.kind.allocations()).sum()
+    };
+    // Inputs persist as well, but do not grow with the capacity.
+    for (guiding, expected) in [(true, 256), (false, 216)] {
+        let per_surfel = (states(20_000, guiding) - states(10_000, guiding)) / 10_000;
+        assert_eq!(per_surfel, expected, "guiding {guiding}");
+    }
 }

@@ -410,7 +410,8 @@ fn elements_are_measured_beside_path_tracing() {
             "without sharing",
             "1/4 of the rays",
             "4 x the rays",
-            "path tracing"
+            "path tracing",
+            "brute force"
         ]
     );
     let last = |row: &Value| row["after"].as_array().unwrap().last().unwrap().clone();
@@ -423,7 +424,12 @@ fn elements_are_measured_beside_path_tracing() {
     assert!((20_000.0..40_000.0).contains(&rays[0]), "{rays:?}");
     assert!((5_000.0..10_000.0).contains(&rays[3]), "{rays:?}");
     assert!((80_000.0..160_000.0).contains(&rays[4]), "{rays:?}");
-    assert!((rays[5] / rays[0] - 1.0).abs() < 0.12, "{rays:?}");
+    for baseline in 5..7 {
+        assert!((rays[baseline] / rays[0] - 1.0).abs() < 0.12, "{rays:?}");
+    }
+    // Of a lamp that rays meet by chance there is more noise.
+    let noise = |row: &Value| last(row)["errors"]["flip"]["mean"].as_f64().unwrap();
+    assert!(noise(&rows[6]) > 2.0 * noise(&rows[5]));
     for row in rows {
         let last = last(row);
         assert_eq!((&last["frames"], &last["asked"]), (&3.into(), &true.into()));
@@ -439,7 +445,7 @@ fn elements_are_measured_beside_path_tracing() {
     assert!(read("cornell.svg").contains("without sharing"));
     // After one, two and three frames each; path tracing may not reach a sample before the third.
     let lines = read("bench.csv").lines().count();
-    assert!((1 + 5 * 3 + 1..=1 + 6 * 3).contains(&lines), "{lines}");
+    assert!((1 + 5 * 3 + 2..=1 + 7 * 3).contains(&lines), "{lines}");
     assert_eq!(
         serde_json::from_str::<Value>(&read("bench.json")).unwrap(),
         all
@@ -781,10 +787,10 @@ fn a_stress_test_reports_when_light_has_converged() {
         assert_eq!(rows.len(), 12);
         let error = |row: &Value| row["error"].as_f64().unwrap();
         // Against the last frame, which thus has none.
-        assert!(error(&rows[0]) > error(&rows[10]) && error(&rows[11]) == 0.0);
+        assert!(error(&rows[0]) > error(&rows[10]) && rows[11]["error"].is_null());
         assert!(rows[1..].iter().all(|row| row["rays"] == budget));
         let frames = run["converged"]["frames"].as_u64().unwrap() as usize;
-        assert!(rows[frames - 1..].iter().all(|row| error(row) < 0.2));
+        assert!(rows[frames - 1..11].iter().all(|row| error(row) < 0.2));
         assert!(frames == 1 || error(&rows[frames - 2]) >= 0.2);
         let groups: Vec<_> = run["groups"].as_array().unwrap().iter().collect();
         for group in [

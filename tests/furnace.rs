@@ -21,6 +21,7 @@ fn the_reference_has_the_closed_form_within_one_percent() {
                 size: [64, 64],
                 samples: 64,
                 seed: 1,
+                emitters: true,
             };
             let (picture, _) =
                 reference(backend.as_ref(), &scene, &view, &options, |_, _| {}).expect("renders");

@@ -127,6 +127,7 @@ fn the_dark_sides_are_dark_in_truth() {
             size: [48, 27],
             samples: 32,
             seed: 0,
+            emitters: true,
         };
         let at = |view| {
             let (picture, _) =
@@ -151,6 +152,7 @@ fn light_passes_between_pillars() {
         size: [160, 90],
         samples: 256,
         seed: 0,
+        emitters: true,
     };
     let (truth, certainty) =
         reference(backend.as_ref(), &scene, &dim, &options, |_, _| {}).expect("renders");

@@ -169,8 +169,13 @@ fn after_a_change_a_frame_comes_first() {
     ];
     let (scene, view) = builtin::by_name("cornell").expect("built in");
     for backend in all_backends() {
+        // Wide surfels: between the pixels of a small picture, those of a pixel leave gaps.
+        let settings = Settings {
+            radius: 3.0,
+            ..asking(8)
+        };
         let mut renderer =
-            Renderer::new(backend.as_ref(), &scene, &view, SIZE, &asking(8), 0).expect("prepares");
+            Renderer::new(backend.as_ref(), &scene, &view, SIZE, &settings, 0).expect("prepares");
         // On the floor: a surfel reaches no farther than its radius.
         let ask = |r: &mut Renderer| r.irradiance(&[DVec3::new(0.0, 0.0, 0.5)], &[Vec3::Y]);
         for (what, change) in changes {

@@ -104,7 +104,8 @@ fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
 fn a_cut_to_another_place_reuses_the_slots() {
     let (scene, view) = builtin::by_name("atrium").expect("built in");
     let settings = Settings {
-        surfels: 440,
+        surfels: 700,
+        radius: 9.4,
         // Surfels are few here, and wide: each lies in many cells.
         grid_lists: 64,
         ..settings(4000)

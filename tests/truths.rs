@@ -43,6 +43,7 @@ fn agrees(scene: &str, samples: u32, views: &[&str]) {
                 size: view.resolution,
                 samples,
                 seed,
+                emitters: true,
             };
             reference(cpu().as_ref(), &imported.scene, &view, &options, |_, _| {})
                 .expect("renders")

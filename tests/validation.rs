@@ -45,6 +45,7 @@ fn the_layer_stays_silent() {
         size: [24, 24],
         samples: 4,
         seed: 0,
+        emitters: true,
     };
     reference(&backend, &scene, &view, &options, |_, _| {}).expect("renders");
     let messages = backend.validation_messages();

@@ -24,6 +24,8 @@ pub struct Frames {
 pub struct Steadiness {
     /// Relative change of a pixel's E from frame to frame: its mean, and its 99th percentile.
     pub flicker: [f64; 2],
+    /// Mean luminance of E while the light shone and long after it went out, W/m^2.
+    pub means: [f64; 2],
     /// Share of what the light had added that is still there, for each frame after it went out.
     pub left: Vec<f64>,
 }
@@ -31,7 +33,9 @@ pub struct Steadiness {
 impl Steadiness {
     /// Frames after which no more than a share is left, and stays away.
     pub fn gone(&self, share: f64) -> Option<usize> {
-        let last_above = self.left.iter().rposition(|&left| left.abs() > share);
+        // What is no number is not gone.
+        let is_gone = |left: f64| left.abs() <= share;
+        let last_above = self.left.iter().rposition(|&left| !is_gone(left));
         let frames = last_above.map_or(0, |frame| frame + 1);
         (frames < self.left.len()).then_some(frames + 1)
     }
@@ -91,7 +95,11 @@ pub fn measure(
     }
     let end = mean(&irradiance(renderer)?);
     let left = means.iter().map(|now| (now - end) / (lit - end)).collect();
-    Ok(Steadiness { flicker, left })
+    Ok(Steadiness {
+        flicker,
+        means: [lit, end],
+        left,
+    })
 }
 
 /// Luminance of E at every pixel that sees a surface.

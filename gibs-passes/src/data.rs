@@ -343,7 +343,7 @@ element! {
     pub struct SurfelLight {
         /// Irradiance, W/m^2.
         irradiance: Vec3,
-        /// How far to trust it as the light of further bounces, in `(0, 1]`; 0 before its first ray.
+        /// How far to trust it as the light of further bounces, in `(0, 1]`; 0 where neither it nor a neighbour has had a ray.
         trust: f32,
     }
 

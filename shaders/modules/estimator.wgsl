@@ -91,10 +91,12 @@ fn estimator_to_forget(cell: Drift, everywhere: Drift) -> vec2<f32> {
     let agreement = clamp(
         (sign_of_all * own - ESTIMATOR_DRIFT_AGAINST) / (ESTIMATOR_DRIFT_FOR - ESTIMATOR_DRIFT_AGAINST), 0.0, 1.0
     );
-    return vec2<f32>(
-        max(estimator_significance(abs(own)), estimator_significance(abs(all_surfels)) * agreement),
-        max(estimator_change(cell), estimator_change(everywhere)),
-    );
+    let of_cell = estimator_significance(abs(own));
+    let of_all = estimator_significance(abs(all_surfels)) * agreement;
+    if of_cell >= of_all {
+        return vec2<f32>(of_cell, estimator_change(cell));
+    }
+    return vec2<f32>(of_all, estimator_change(everywhere));
 }
 
 /// What is left of the state when a share of it is forgotten, because its light has changed by so much of its level.

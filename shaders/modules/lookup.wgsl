@@ -11,6 +11,8 @@ const LOOKUP_SQUASH: f32 = 4.0;
 const LOOKUP_PEAK: f32 = 4.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 const LOOKUP_AVERAGE_OF: u32 = 8u;
+/// Where a cell's list would begin that did not fit.
+const LOOKUP_DROPPED: u32 = 0xffffffffu;
 /// Summed weight at which a lookup at a ray's hit ends.
 const LOOKUP_ENOUGH_AT_HITS: f32 = 2.0;
 /// Summed weight below which a cell's average is not made up to a full one.

@@ -2,8 +2,12 @@
 
 /// Share of slots in use up to which nothing presses.
 const RECYCLING_EASE: f32 = 0.5;
-/// Frames unseen before a surfel may go.
+/// Frames unseen before a surfel may go while nothing presses.
 const RECYCLING_PATIENCE: u32 = 16u;
+/// The same when all slots are in use.
+const RECYCLING_LEAST_PATIENCE: u32 = 5u;
+/// Frames unseen of a surfel whose node is gone.
+const RECYCLING_LOST: u32 = 0xffffffffu;
 /// Chance per frame of an unseen surfel, while nothing presses.
 const RECYCLING_CALM: f32 = 1.0 / 1200.0;
 /// Chance per frame of an unseen surfel when all slots are in use.
@@ -24,10 +28,14 @@ fn recycling_looks(identity: u32, frame: u32) -> bool {
 
 /// Chance that a surfel goes this frame.
 fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
+    if unseen == RECYCLING_LOST {
+        return 1.0;
+    }
     let pressure = clamp((used - RECYCLING_EASE) / (1.0 - RECYCLING_EASE), 0.0, 1.0);
     let squared = pressure * pressure;
     let crowd = clamp((others - RECYCLING_CROWDED) / RECYCLING_CROWDED, 0.0, 1.0) * RECYCLING_THINNING;
-    if unseen < RECYCLING_PATIENCE {
+    let patience = f32(RECYCLING_PATIENCE) - f32(RECYCLING_PATIENCE - RECYCLING_LEAST_PATIENCE) * pressure;
+    if f32(unseen) < patience {
         return crowd;
     }
     let away = RECYCLING_CALM + (RECYCLING_PRESSED - RECYCLING_CALM) * squared;

@@ -8,6 +8,8 @@ import package::types::{Neighbours, SurfelIrradiance, SurfelLight};
 const SHARING_REACH: f32 = 2.0;
 /// Neighbours count by their rays, up to so many.
 const SHARING_MOST_RAYS: f32 = 4096.0;
+/// As many rays as the mean of the neighbours is worth at most.
+const SHARING_MOST_WORTH: f32 = 1048576.0;
 /// Relative standard deviation of irradiance between neighbours that is assumed even where none shows.
 const SHARING_LEAST_SPREAD: f32 = 0.03;
 /// Relative standard error of its mean below which a surfel does not ask its neighbours.
@@ -23,55 +25,39 @@ const SHARING_PERIOD: u32 = 4u;
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.
 const SHARING_TRUST_STEPS: f32 = 255.0;
-/// Bits that a packed ratio lacks of its float: the sign, and all but four of the mantissa.
-const SHARING_RATIO_SHIFT: u32 = 19u;
+/// Bits that packed rays lack of their float: the sign, and the last of the mantissa.
+const SHARING_RAYS_SHIFT: u32 = 7u;
 
-/// What a surfel's neighbours say about its irradiance.
+/// What a surfel's neighbours say about its irradiance: its mean, how far to trust it, and how many of the surfel's own rays
+/// are as good.
 struct SharingSaid {
     mean: vec3<f32>,
     trust: f32,
-    ray_variance: f32,
-    spread: f32,
+    rays: f32,
 }
 
-fn sharing_pack_ratio(ratio: f32) -> u32 {
-    return (bitcast<u32>(min(ratio, 1.7014117e38)) + (1u << (SHARING_RATIO_SHIFT - 1u))) >> SHARING_RATIO_SHIFT;
-}
-
-fn sharing_unpack_ratio(bits: u32) -> f32 {
-    return bitcast<f32>((bits & 0xfffu) << SHARING_RATIO_SHIFT);
-}
-
-/// Trust in bits 0-7, and the variances over the square of the mean's luminance, the spread in bits 8-19.
+/// Trust in bits 0-7, rays in bits 8-31.
 fn sharing_pack(said: SharingSaid) -> Neighbours {
     if said.trust <= 0.0 {
         return Neighbours();
     }
-    let level = estimator_luminance(said.mean);
-    var spread = 0u;
-    var ray_variance = 0u;
-    if level > 0.0 {
-        spread = sharing_pack_ratio(said.spread / (level * level));
-        ray_variance = sharing_pack_ratio(said.ray_variance / (level * level));
-    }
     let trust = u32(min(ceil(said.trust * SHARING_TRUST_STEPS), SHARING_TRUST_STEPS));
-    return Neighbours(said.mean, trust | (spread << 8u) | (ray_variance << 20u));
+    return Neighbours(said.mean, trust | ((bitcast<u32>(said.rays) >> SHARING_RAYS_SHIFT) << 8u));
 }
 
 fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
-    let level = estimator_luminance(neighbours.mean);
-    let squared = level * level;
     return SharingSaid(
         neighbours.mean,
         f32(neighbours.packed & 0xffu) / SHARING_TRUST_STEPS,
-        sharing_unpack_ratio(neighbours.packed >> 20u) * squared,
-        sharing_unpack_ratio(neighbours.packed >> 8u) * squared,
+        bitcast<f32>((neighbours.packed >> 8u) << SHARING_RAYS_SHIFT),
     );
 }
 
-/// Whether a surfel asks in this frame; else what it was told before still holds.
-fn sharing_is_due(surfel: u32, state: SurfelIrradiance, frame: u32) -> bool {
+/// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
+/// holds.
+fn sharing_is_due(surfel: u32, state: SurfelIrradiance, forget: f32, frame: u32) -> bool {
     return state.samples == 0u
+        || forget > 0.0
         || frame - state.since < SHARING_FRESH
         || (surfel / SHARING_TOGETHER + frame) % SHARING_PERIOD == 0u;
 }
@@ -97,13 +83,8 @@ fn sharing_light(state: SurfelIrradiance, age: u32, neighbours: SharingSaid) -> 
     if state.samples == 0u {
         return SurfelLight(neighbours.mean, neighbours.trust);
     }
-    let noise = neighbours.ray_variance / f32(state.samples);
-    let level = SHARING_LEAST_SPREAD * estimator_luminance(neighbours.mean);
-    let total = noise + neighbours.spread + level * level;
-    var share = 0.0;
-    if total > 0.0 {
-        share = noise / total;
-    }
+    // Each counts by its rays, the inverse of its variance.
+    let share = neighbours.rays / (neighbours.rays + f32(state.samples));
     return SurfelLight(
         state.mean + (neighbours.mean - state.mean) * share,
         own + (neighbours.trust - own) * share,

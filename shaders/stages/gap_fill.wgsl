@@ -4,6 +4,7 @@ import package::coverage::lookup_coverage;
 import package::grid::grid_cell;
 import package::hash::{hash_hash2, hash_hash3, hash_unit};
 import package::invocation::invocation_group;
+import package::lookup::LOOKUP_DROPPED;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
 import package::upsample::upsample_pixel_of;
@@ -66,9 +67,12 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) -> bool {
     }
     let normal = octahedral_unpack(point.shading_normal);
     let coverage = lookup_coverage(point.position, normal);
-    // A surfel more would not be visited, and more would be born without end.
-    let is_full = cells[grid_cell(point.position, grid)].y >= settings.lookup;
-    let share = select(min(coverage / (AMPLE * settings.coverage), 1.0), 1.0, is_full);
+    let share = min(coverage / (AMPLE * settings.coverage), 1.0);
+    // A cell is full whose list is as long as a lookup, or did not fit.
+    let cell = cells[grid_cell(point.position, grid)];
+    if cell.y >= settings.lookup || cell.x == LOOKUP_DROPPED {
+        return share >= 1.0;
+    }
     let place = (turn << 8u) | lane;
     let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
     atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 10u) | place);

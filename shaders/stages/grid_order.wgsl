@@ -1,6 +1,7 @@
 // The lists of the cells, ordered by a hash of surfel identity; one that does not fit is emptied.
 import package::hash::hash_pcg;
 import package::invocation::invocation_index;
+import package::lookup::LOOKUP_DROPPED;
 import package::types::SurfelPose;
 
 @group(0) @binding(0) var<storage, read> poses: array<SurfelPose>;
@@ -34,7 +35,7 @@ fn main(
     let room = arrayLength(&entries);
     if count > room || start > room - count {
         atomicAdd(&overflow[0], count);
-        cells[cell] = vec2<u32>(0u, 0u);
+        cells[cell] = vec2<u32>(LOOKUP_DROPPED, 0u);
         return;
     }
     cells[cell] = vec2<u32>(start, count);

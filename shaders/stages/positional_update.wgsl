@@ -3,6 +3,7 @@ import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
 @if(depths) import package::lookup::lookup_rescaled;
 import package::octahedral::octahedral_unpack;
+import package::recycling::RECYCLING_LOST;
 import package::surfel::surfel_radius_at;
 import package::types::{
     Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
@@ -45,8 +46,9 @@ fn main(
     }
     unseen[i] = max(unseen[i], unseen[i] + 1u);
     let birth = births[i];
-    // A scene that lost the surfel's node leaves the surfel where it is.
+    // The scene has lost the surfel's node: it goes in this frame.
     if birth.transform_id >= arrayLength(&transforms) {
+        unseen[i] = RECYCLING_LOST;
         return;
     }
     let transform = transforms[birth.transform_id];

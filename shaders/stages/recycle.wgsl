@@ -19,8 +19,15 @@ import package::vector::vector_length;
 @group(0) @binding(9) var<storage, read> unseen: array<u32>;
 @group(0) @binding(10) var<storage, read_write> gone: array<u32>;
 
-/// Nobody asks which surfels cover the place of another one.
-fn coverage_seen(id: u32) {}
+/// The surfel that looks around, and what it adds to the coverage of its place: in a long list a lookup may not visit it.
+var<private> looking: u32;
+var<private> own_weight: f32;
+
+fn coverage_seen(id: u32) {
+    if id == looking {
+        own_weight = LOOKUP_PEAK;
+    }
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -40,7 +47,10 @@ fn main(
     let used = f32(counters[0].live) / f32(max(settings.capacity, 1u));
     var others = 0.0;
     if recycling_looks(pose.identity, frame.number) {
-        others = lookup_coverage(pose.position, pose.normal) - LOOKUP_PEAK;
+        looking = i;
+        own_weight = 0.0;
+        others = lookup_coverage(pose.position, pose.normal);
+        others -= own_weight;
     }
     let distance = vector_length(pose.position - camera.eye) / grid.half;
     let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);

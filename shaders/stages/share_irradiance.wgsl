@@ -5,7 +5,7 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{
-    SHARING_MOST_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
+    SHARING_LEAST_SPREAD, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
@@ -19,7 +19,8 @@ import package::types::{
 @group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(6) var<storage, read> irradiance: array<SurfelIrradiance>;
 @if(depths) @group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
-@group(0) @binding(8) var<storage, read_write> neighbours: array<Neighbours>;
+@group(0) @binding(8) var<storage, read> forget: array<vec2<f32>>;
+@group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
 
 @if(depths)
 fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -78,9 +79,6 @@ fn ask(own: u32) -> SharingSaid {
         trust += counts * lookup_trust(age);
     }
     var said = SharingSaid();
-    if ray_sum > 0.0 {
-        said.ray_variance = ray_variance / ray_sum;
-    }
     if sum <= 0.0 {
         return said;
     }
@@ -92,7 +90,13 @@ fn ask(own: u32) -> SharingSaid {
     let apart = max(squares / sum - level * level - average_noise, 0.0);
     // The noise of their mean.
     let left = average_noise * (weights_squared / (sum * sum));
-    said.spread = apart + left;
+    let least = SHARING_LEAST_SPREAD * level;
+    let spread = apart + left + least * least;
+    let average_ray = ray_variance / ray_sum;
+    // Neighbours of which nothing tells that they are wrong are as good as any number of rays.
+    if average_ray > 0.0 {
+        said.rays = min(average_ray / max(spread, 1.17549435e-38), SHARING_MOST_WORTH);
+    }
     return said;
 }
 
@@ -107,7 +111,12 @@ fn main(
         return;
     }
     let state = irradiance[i];
-    if poses[i].radius <= 0.0 || !sharing_is_due(i, state, frame.number) {
+    let pose = poses[i];
+    if pose.radius <= 0.0 {
+        return;
+    }
+    let share = forget[grid_cell(pose.position, grid)].x;
+    if !sharing_is_due(i, state, share, frame.number) {
         return;
     }
     if sharing_asks(state) {

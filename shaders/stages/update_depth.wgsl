@@ -36,6 +36,10 @@ fn place_of(ray: u32) -> u32 {
 
 /// The distance of a ray into the depth function of its surfel, which has had `samples` before.
 fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
+    // One that could not reach the emitter it was drawn for went nowhere.
+    if rays[ray].t_max <= 0.0 {
+        return;
+    }
     let diameter = 2.0 * pose.radius;
     let local = sampling_to_local(rays[ray].direction, pose.normal);
     let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));

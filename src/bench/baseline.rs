@@ -25,7 +25,28 @@ pub(super) struct Traced {
     ratio: f64,
 }
 
-const NAME: &str = "path tracing";
+/// A way to trace paths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Baseline {
+    name: &'static str,
+    about: &'static str,
+    emitters: bool,
+}
+
+/// Path tracing as the reference does it, and without samples of emitters and the sky. Sun and lights, which no ray meets by chance, are
+/// sampled by both.
+pub(super) const BASELINES: [Baseline; 2] = [
+    Baseline {
+        name: "path tracing",
+        about: "path tracing with the rays of the first row",
+        emitters: true,
+    },
+    Baseline {
+        name: "brute force",
+        about: "the same without rays to emitters and the sky",
+        emitters: false,
+    },
+];
 
 /// Samples per pixel of the run that tells how long paths are.
 const PILOT: u32 = 8;
@@ -36,6 +57,7 @@ const PILOT: u32 = 8;
 /// A sample of a pixel takes as many rays as its path has segments; one pilot run tells how many that is in the mean. Of a path
 /// neither the ray to the primary surface counts, which is traced once for all samples, nor those to lights and emitters.
 pub(super) fn trace_paths(
+    baseline: &Baseline,
     job: &Job<'_>,
     budgets: impl Iterator<Item = Budget>,
 ) -> Result<Vec<Traced>, BenchError> {
@@ -44,6 +66,7 @@ pub(super) fn trace_paths(
             size: job.size,
             samples,
             seed,
+            emitters: baseline.emitters,
         };
         let mut start = Instant::now();
         let progress = |frames, _| {
@@ -68,7 +91,7 @@ pub(super) fn trace_paths(
         let (picture, certainty, seconds) = render(samples.max(1), job.seed)?;
         traced.push(Traced {
             frames: budget.frames,
-            errors: job.truth.errors(&picture, NAME, budget.frames)?,
+            errors: job.truth.errors(&picture, baseline.name, budget.frames)?,
             rays: certainty.segments as f64,
             seconds,
             ratio: seconds / budget.seconds,
@@ -77,9 +100,13 @@ pub(super) fn trace_paths(
     Ok(traced)
 }
 
-/// The row of path tracing; `traced` has an element for each seed. Time and rays are spread evenly over the frames that the
+/// The row of a baseline; `traced` has an element for each seed. Time and rays are spread evenly over the frames that the
 /// surfels had.
-pub(super) fn row(checkpoints: &[(u32, bool)], traced: &[Vec<Traced>]) -> Option<Row> {
+pub(super) fn row(
+    baseline: &Baseline,
+    checkpoints: &[(u32, bool)],
+    traced: &[Vec<Traced>],
+) -> Option<Row> {
     let after = checkpoints.iter().filter_map(|&(frames, asked)| {
         let all = || traced.iter().flatten().filter(move |t| t.frames == frames);
         all().next()?;
@@ -95,8 +122,8 @@ pub(super) fn row(checkpoints: &[(u32, bool)], traced: &[Vec<Traced>]) -> Option
     });
     let after: Vec<After> = after.collect();
     (!after.is_empty()).then(|| Row {
-        name: NAME.into(),
-        about: "path tracing with the rays of the first row".into(),
+        name: baseline.name.into(),
+        about: baseline.about.into(),
         after,
     })
 }

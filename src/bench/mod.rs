@@ -17,7 +17,7 @@ pub use statistics::{Mean, Spread};
 pub use truth::{TRUTH_STEPS, Truth};
 
 use crate::view::View;
-use baseline::{Budget, trace_paths};
+use baseline::{BASELINES, Budget, trace_paths};
 use frames::{Run, run};
 use gibs_graph::Backend;
 use gibs_passes::scene::Scene;
@@ -94,7 +94,7 @@ pub fn work(options: &Options) -> u64 {
     u64::from(last) * options.configurations.len() as u64 * u64::from(options.seeds)
 }
 
-/// Measures all configurations, and path tracing with the rays of the first one. The configurations take turns frame by frame, so
+/// Measures all configurations, and path tracing with the rays of the first one, in two ways. The configurations take turns frame by frame, so
 /// that whatever else the machine does falls on all of them. `progress` hears of every frame.
 ///
 /// # Errors
@@ -109,7 +109,7 @@ pub fn measure(
 ) -> Result<Vec<Row>, BenchError> {
     let checkpoints = checkpoints(&options.frames);
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); options.configurations.len()];
-    let mut traced = Vec::new();
+    let mut traced = BASELINES.map(|_| Vec::new());
     for seed in 0..options.seeds {
         let job = frames::Job {
             backend,
@@ -128,7 +128,9 @@ pub fn measure(
                 rays: first.rays(frames),
                 seconds: first.seconds(frames),
             });
-            traced.push(trace_paths(&job, budgets)?);
+            for (baseline, traced) in BASELINES.iter().zip(&mut traced) {
+                traced.push(trace_paths(baseline, &job, budgets.clone())?);
+            }
         }
         for (all, run) in runs.iter_mut().zip(of_seed) {
             all.push(run);
@@ -154,6 +156,7 @@ pub fn measure(
             after: after.collect(),
         });
     }
-    rows.extend(baseline::row(&checkpoints, &traced));
+    let baselines = BASELINES.iter().zip(&traced);
+    rows.extend(baselines.filter_map(|(each, traced)| baseline::row(each, &checkpoints, traced)));
     Ok(rows)
 }

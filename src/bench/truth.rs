@@ -72,6 +72,7 @@ impl Truth {
             size: size.map(|side| side / step),
             samples,
             seed: SEED,
+            emitters: true,
         };
         let (picture, certainty) = reference(backend, scene, view, &options, progress)?;
         Ok(Self {

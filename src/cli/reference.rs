@@ -22,6 +22,9 @@ pub struct Args {
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
+    /// Find emitters and the sky by chance alone, without samples of their own
+    #[arg(long)]
+    brute_force: bool,
     /// Where to write [default: the scene's name, .exr]
     #[arg(long, value_name = "F.exr")]
     out: Option<PathBuf>,
@@ -53,6 +56,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         size: loaded.size,
         samples: args.spp,
         seed: args.seed,
+        emitters: !args.brute_force,
     };
     // How many segments paths have is not known before; three per sample is usual.
     let bar = progress(u64::from(args.spp) * 3, "path tracing");

@@ -1,7 +1,7 @@
 //! `gibs roam`: a camera on its way through a scene.
 use super::CommandError;
-use super::output::{progress, say, write};
-use super::run::{Totals, median, prepare, prepare_folder, title};
+use super::output::{prepare_folder, progress, say, write};
+use super::run::{Totals, median, prepare, title};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::measure::{CameraPath, HoleRow, RoamRow, csv, group_plot, or_empty, plot_of, roam};

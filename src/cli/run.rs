@@ -3,7 +3,6 @@ use super::CommandError;
 use super::output::warning;
 use super::scene::{Loaded, SceneArgs};
 use crate::measure::FrameRow;
-use crate::picture::{WriteError, ensure_writable};
 use crate::{Counters, Renderer};
 use gibs_graph::Backend;
 use gibs_passes::frame::Settings;
@@ -33,15 +32,6 @@ pub(super) fn prepare(
         warning!("{warning}");
     }
     Ok(renderer)
-}
-
-/// Makes the folder of a report and sees that its table can be written.
-pub(super) fn prepare_folder(folder: &Path, table: &str) -> Result<(), WriteError> {
-    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
-        path: folder.to_owned(),
-        source,
-    })?;
-    ensure_writable(&folder.join(table))
 }
 
 /// What happened to the surfels over a run.

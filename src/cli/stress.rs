@@ -1,7 +1,7 @@
 //! `gibs stress`: from an empty cache to converged.
 use super::CommandError;
-use super::output::{progress, say};
-use super::run::{Totals, median, prepare, prepare_folder, title};
+use super::output::{prepare_folder, progress, say};
+use super::run::{Totals, median, prepare, title};
 use super::scene::{SceneArgs, TechniqueArgs};
 use crate::backends::{self, Choice};
 use crate::measure::{
@@ -116,7 +116,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             },
             (error, _) => error.into(),
         })?;
-        let errors = stress.rows.iter().map(|row| row.error);
+        // Without a truth the others are held against the last frame.
+        let judged = stress
+            .rows
+            .len()
+            .saturating_sub(usize::from(truth.is_none()));
+        let errors = stress.rows[..judged].iter().map(|row| row.error);
         let converged = converged_from(errors, args.converged / 100.0).map(|first| Converged {
             frames: first + 1,
             seconds: stress.rows[..=first]

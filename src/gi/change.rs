@@ -123,7 +123,7 @@ impl Gi {
     }
 
     /// Goes on in another scene: things added, moved or taken away. Surfels stay on the node that they were born on, by
-    /// its index, and follow it; those of an index that is gone stay where they are until they are recycled.
+    /// its index, and follow it; those of an index that is gone go as well.
     ///
     /// Frames that were recorded must be done, and what was lent may be forgotten: see
     /// [changes between frames](#changes-between-frames). The tree over all things is built anew; what is the same in

@@ -45,8 +45,8 @@ impl BlockMeans {
     }
 }
 
-/// The first frame from which on every error stays below `limit`; `None` where the last one does not, or where there is
-/// none.
+/// The first frame from which on every error stays below `limit`; `None` where that is not so for the last quarter of them,
+/// since a few frames alone say little.
 pub fn converged_from(
     errors: impl DoubleEndedIterator<Item = Option<f64>> + ExactSizeIterator,
     limit: f64,
@@ -56,5 +56,5 @@ pub fn converged_from(
         .rev()
         .take_while(|error| error.is_some_and(|e| e < limit))
         .count();
-    (good > 0).then_some(all - good)
+    (good > 0 && 4 * good >= all).then_some(all - good)
 }

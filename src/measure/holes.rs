@@ -10,7 +10,7 @@ use serde::Serialize;
 pub const COVERED: f32 = 0.5;
 
 /// Frames after which a surface in view should be covered. At half resolution gap filling has looked at every pixel
-/// after four, each time with one birth per tile; eight let it look twice.
+/// after four, the amply covered included, each time with one birth per tile; eight let it look twice.
 pub const SETTLES: u32 = 8;
 
 /// Cosine of the angle between normals up to which two pixels see the same surface.

@@ -123,6 +123,9 @@ fn convergence_is_where_the_error_stays_below() {
     assert_eq!(from(&[0.04, 0.03]), Some(0));
     assert_eq!(from(&[0.04, 0.05]), None);
     assert_eq!(from(&[]), None);
+    // A few frames alone say little.
+    assert_eq!(from(&[0.5, 0.5, 0.5, 0.04]), Some(3));
+    assert_eq!(from(&[0.5, 0.5, 0.5, 0.5, 0.04]), None);
     assert_eq!(converged_from([Some(0.1), None].into_iter(), 0.5), None);
 }
 

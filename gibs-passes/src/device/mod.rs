@@ -219,7 +219,7 @@ fn rows(affine: DAffine3) -> [Vec4; 3] {
 
 fn transform(world: DAffine3) -> Transform {
     let inverse = world.inverse();
-    // Nothing is visible of a node that is flattened; its surfels stay where they are.
+    // Nothing is visible of a node that is flattened; its surfels lie where it is flattened to.
     let inverse = if inverse.is_finite() {
         inverse
     } else {

@@ -28,6 +28,8 @@ pub struct ReferenceUpdate {
     pub number: u32,
     /// Seed.
     pub seed: u32,
+    /// Draw points of emitters and of the sky.
+    pub emitters: bool,
 }
 
 /// Records the frame that finds the primary surface of every pixel and its direct light from `per_point` lights. Its
@@ -167,8 +169,13 @@ pub fn upload_reference(
         lights,
         lights_per_point: LIGHTS_PER_VERTEX.min(lights),
         environment_side: scene.environment.side,
-        sky_sampled: u32::from(scene.environment.sampled),
-        emitter_power: scene.emitters.power,
+        // Without a density of their own, what rays meet by chance counts in full.
+        sky_sampled: u32::from(update.emitters && scene.environment.sampled),
+        emitter_power: if update.emitters {
+            scene.emitters.power
+        } else {
+            0.0
+        },
         samples: update.samples,
     };
     upload(exec, "frame", &[frame])?;

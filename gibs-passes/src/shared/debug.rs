@@ -74,7 +74,7 @@ debug_views! {
     Coverage = 2, "coverage", "summed weight", BlueToRed(4.0);
     /// radius of the nearest surfel, as it is projected
     Radius = 3, "radius", "pixels", Heat(16.0);
-    /// short-term standard deviation of the nearest surfel's irradiance, over its mean
+    /// standard deviation of four rays of the nearest surfel, over its mean
     Variance = 4, "variance", "standard deviation / mean", BlueToRed(4.0);
     /// rays that the surfels got in this frame, their mean by weight
     RayCount = 5, "ray-count", "rays", Heat(32.0);

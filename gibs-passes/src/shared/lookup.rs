@@ -20,6 +20,9 @@ pub const SQUASH: f32 = 4.0;
 /// 0.54, a quarter more surfels make the same error.
 pub const PEAK: f32 = 4.0;
 
+/// Beginning and length of a list that did not fit.
+pub const DROPPED: UVec2 = UVec2::new(u32::MAX, 0);
+
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 pub const AVERAGE_OF: usize = 8;
 
@@ -190,8 +193,18 @@ impl<'a> Surfels<'a> {
 
     #[inline]
     fn list(&self, cell: usize) -> &'a [u32] {
-        let cell = self.cells[cell];
-        &self.entries[cell.x as usize..(cell.x + cell.y.min(self.settings.lookup)) as usize]
+        let (start, count) = (self.cells[cell].x as usize, self.cells[cell].y);
+        let end = start + count.min(self.settings.lookup) as usize;
+        // Of a dropped list there is nothing.
+        self.entries.get(start..end).unwrap_or(&[])
+    }
+
+    /// Whether a cell takes no more surfels: its list is as long as a lookup, or did not fit. Of more, each would be visited
+    /// less often, and their number would never settle.
+    #[inline]
+    pub fn is_full(&self, point: Vec3) -> bool {
+        let cell = self.cells[grid::cell(point, self.grid) as usize];
+        cell.y >= self.settings.lookup || cell == DROPPED
     }
 
     /// [`Surfels::around`] for several points at a time, of which `position` tells where they are, and nothing where

@@ -3,8 +3,14 @@
 /// Share of slots in use up to which nothing presses.
 pub const EASE: f32 = 0.5;
 
-/// Frames unseen before a surfel may go: what is seen again at once stays.
+/// Frames unseen before a surfel may go while nothing presses: what is seen again at once stays.
 pub const PATIENCE: u32 = 16;
+
+/// The same when all slots are in use: at half resolution, a pixel's surfels are known to be seen only every fourth frame.
+pub const LEAST_PATIENCE: u32 = 5;
+
+/// Frames unseen of a surfel whose node is gone.
+pub const LOST: u32 = u32::MAX;
 
 /// Chance per frame of an unseen surfel, while nothing presses: one in twenty seconds goes, at sixty frames a second.
 pub const CALM: f32 = 1.0 / 1200.0;
@@ -36,10 +42,14 @@ pub fn looks(identity: u32, frame: u32) -> bool {
 /// the coverage at which spawning stops, 0 where it does not look.
 #[inline]
 pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
+    if unseen == LOST {
+        return 1.0;
+    }
     let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);
     let squared = pressure * pressure;
     let crowd = ((others - CROWDED) / CROWDED).clamp(0.0, 1.0) * THINNING;
-    if unseen < PATIENCE {
+    let patience = PATIENCE as f32 - (PATIENCE - LEAST_PATIENCE) as f32 * pressure;
+    if (unseen as f32) < patience {
         return crowd;
     }
     let away = CALM + (PRESSED - CALM) * squared;
@@ -53,11 +63,17 @@ mod tests {
 
     #[test]
     fn what_is_seen_and_not_crowded_stays() {
-        for used in [0.0, 0.5, 1.0] {
+        for (used, least) in [(0.0, PATIENCE), (0.5, PATIENCE), (1.0, LEAST_PATIENCE)] {
             for distance in [0.0, 1.0, 1e6] {
-                assert_eq!(chance(used, PATIENCE - 1, distance, CROWDED), 0.0);
+                assert_eq!(chance(used, least - 1, distance, CROWDED), 0.0);
+                assert!(chance(used, least, distance, 0.0) > 0.0);
             }
         }
+    }
+
+    #[test]
+    fn what_lost_its_node_goes() {
+        assert_eq!(chance(0.0, LOST, 0.0, 0.0), 1.0);
     }
 
     #[test]
@@ -66,7 +82,7 @@ mod tests {
         assert!(chance(0.9, 100, 10.0, 0.0) > base, "fewer free slots");
         assert!(chance(0.6, 100, 20.0, 0.0) > base, "farther away");
         assert!(chance(0.6, 100, 10.0, 100.0) > base, "crowded");
-        assert!(chance(0.6, PATIENCE - 1, 10.0, 0.0) < base, "just seen");
+        assert!(chance(0.6, LEAST_PATIENCE, 10.0, 0.0) < base, "just seen");
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub const UNSTEERED_FRESH: u32 = 4;
 /// Relative standard error of its irradiance at which a surfel asks for the most.
 pub const ERROR: f32 = 0.4;
 
-/// Frames unseen from which on a surfel asks for a quarter.
+/// Frames unseen after which a surfel asks for a quarter.
 pub const UNSEEN: u32 = 4;
 
 /// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, its variance decides.

@@ -10,11 +10,15 @@ use super::lookup;
 use crate::data::{Neighbours, SurfelIrradiance, SurfelLight};
 use glam::Vec3;
 
-/// Reach of a neighbour, in radii: as far as depth functions know what stands between.
+/// Reach of a neighbour, in radii: as far as depth functions know what stands between. Lists hold surfels that reach the cell
+/// with one radius, so that beside a cell's border the farther neighbours of the other side are not asked.
 pub const REACH: f32 = 2.0;
 
 /// Neighbours count by their rays, up to so many.
 pub const MOST_RAYS: f32 = 4096.0;
+
+/// As many rays as the mean of the neighbours is worth at most.
+pub const MOST_WORTH: f32 = 1_048_576.0;
 
 /// Standard deviation of irradiance between neighbours, relative, that is assumed even where none shows: below this,
 /// a surfel's own noise is left alone.
@@ -42,65 +46,44 @@ pub struct Said {
     pub mean: Vec3,
     /// How far to trust that, see [`SurfelLight`]; 0 where there are no neighbours.
     pub trust: f32,
-    /// Variance of the luminance that one ray brings, here and around, W^2/m^4.
-    pub ray_variance: f32,
-    /// Variance of the luminance between this surfel's irradiance and the mean, beyond what the surfel's own noise makes,
-    /// W^2/m^4.
-    pub spread: f32,
+    /// How many of the surfel's own rays are as good as the mean: the variance of the luminance that one ray brings, here
+    /// and around, over that of the mean as a guess of the surfel's irradiance.
+    pub rays: f32,
 }
 
 /// Steps of a packed trust.
 const TRUST_STEPS: f32 = 255.0;
 
-/// Bits that a packed ratio lacks of its `f32`: the sign, and all but four of the mantissa.
-const RATIO_SHIFT: u32 = 19;
-
-/// A ratio, not negative, in 12 bits: within 3.2 %.
-#[inline]
-fn pack_ratio(ratio: f32) -> u32 {
-    (ratio.min(f32::MAX * 0.5).to_bits() + (1 << (RATIO_SHIFT - 1))) >> RATIO_SHIFT
-}
-
-#[inline]
-fn unpack_ratio(bits: u32) -> f32 {
-    f32::from_bits((bits & 0xfff) << RATIO_SHIFT)
-}
+/// Bits that packed rays lack of their `f32`: the sign, and the last of the mantissa.
+const RAYS_SHIFT: u32 = 7;
 
 impl Said {
-    /// Trust in bits 0-7, and the variances over the square of the mean's luminance, the spread in bits 8-19: ratios, so
-    /// that scaling every light by a power of two changes no bit.
+    /// Trust in bits 0-7, rays in bits 8-31: a ratio, so that scaling every light by a power of two changes no bit.
     #[inline]
     pub fn pack(&self) -> Neighbours {
         if self.trust <= 0.0 {
             return Neighbours::default();
         }
-        let level = luminance(self.mean);
-        let over = |variance: f32| match level > 0.0 {
-            true => pack_ratio(variance / (level * level)),
-            false => 0,
-        };
         let trust = (self.trust * TRUST_STEPS).ceil().min(TRUST_STEPS) as u32;
         Neighbours {
             mean: self.mean,
-            packed: trust | over(self.spread) << 8 | over(self.ray_variance) << 20,
+            packed: trust | (self.rays.to_bits() >> RAYS_SHIFT) << 8,
         }
     }
 
     /// What was packed.
     #[inline]
     pub fn unpack(packed: &Neighbours) -> Self {
-        let level = luminance(packed.mean);
-        let squared = level * level;
         Said {
             mean: packed.mean,
             trust: (packed.packed & 0xff) as f32 / TRUST_STEPS,
-            spread: unpack_ratio(packed.packed >> 8) * squared,
-            ray_variance: unpack_ratio(packed.packed >> 20) * squared,
+            rays: f32::from_bits((packed.packed >> 8) << RAYS_SHIFT),
         }
     }
 }
 
-/// Variance of the luminance of a surfel's long mean, W^2/m^4.
+/// Variance of the luminance of a surfel's long mean, W^2/m^4, as if all its rays weighed the same: with the weights of a mean
+/// that has not settled it is up to 4/3 of that, of one that began anew 16/7.
 #[inline]
 pub fn mean_variance(state: &SurfelIrradiance) -> f32 {
     state.variance / state.samples.max(1) as f32
@@ -113,10 +96,12 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
     state.samples < UNCERTAIN_BEFORE || mean_variance(state) > CERTAIN * CERTAIN * level * level
 }
 
-/// Whether a surfel asks in this frame; else what it was told before still holds.
+/// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
+/// holds.
 #[inline]
-pub fn is_due(surfel: u32, state: &SurfelIrradiance, frame: u32) -> bool {
+pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
     state.samples == 0
+        || forget > 0.0
         || frame.wrapping_sub(state.since) < FRESH
         || (surfel / TOGETHER)
             .wrapping_add(frame)
@@ -160,9 +145,6 @@ impl Asked {
     #[inline]
     pub fn said(&self) -> Said {
         let mut said = Said::default();
-        if self.ray_sum > 0.0 {
-            said.ray_variance = self.ray_variance / self.ray_sum;
-        }
         if self.sum <= 0.0 {
             return said;
         }
@@ -174,7 +156,15 @@ impl Asked {
         let apart = (self.squares / self.sum - level * level - noise).max(0.0);
         // The noise of their mean.
         let left = noise * (self.weights_squared / (self.sum * self.sum));
-        said.spread = apart + left;
+        let least = LEAST_SPREAD * level;
+        let spread = apart + left + least * least;
+        let ray_variance = self.ray_variance / self.ray_sum;
+        // Neighbours of which nothing tells that they are wrong are as good as any number of rays.
+        said.rays = if ray_variance > 0.0 {
+            (ray_variance / spread.max(f32::MIN_POSITIVE)).min(MOST_WORTH)
+        } else {
+            0.0
+        };
         said
     }
 }
@@ -195,10 +185,8 @@ pub fn light(state: &SurfelIrradiance, age: u32, neighbours: &Said) -> SurfelLig
             trust: neighbours.trust,
         };
     }
-    let noise = neighbours.ray_variance / state.samples as f32;
-    let level = LEAST_SPREAD * luminance(neighbours.mean);
-    let total = noise + neighbours.spread + level * level;
-    let share = if total > 0.0 { noise / total } else { 0.0 };
+    // Each counts by its rays, the inverse of its variance.
+    let share = neighbours.rays / (neighbours.rays + state.samples as f32);
     SurfelLight {
         irradiance: state.mean + (neighbours.mean - state.mean) * share,
         trust: own + (neighbours.trust - own) * share,
@@ -211,60 +199,82 @@ mod tests {
     use crate::shared::hash;
 
     #[test]
-    fn packing_keeps_trust_and_noise() {
+    fn packing_keeps_trust_and_rays() {
         for i in 0..10_000u32 {
             let unit = |k| hash::unit(hash::hash2(i, k));
-            let mean = Vec3::new(unit(0), unit(1), unit(2)) * 10f32.powf(20.0 * unit(3) - 10.0);
-            let squared = luminance(mean) * luminance(mean);
             let said = Said {
-                mean,
+                mean: Vec3::new(unit(0), unit(1), unit(2)),
                 trust: 1.0 - unit(4),
-                ray_variance: squared * 10f32.powf(16.0 * unit(5) - 8.0),
-                spread: squared * 10f32.powf(16.0 * unit(6) - 8.0),
+                rays: 10f32.powf(16.0 * unit(5) - 8.0),
             };
             let back = Said::unpack(&said.pack());
-            assert_eq!(back.mean, mean);
+            assert_eq!(back.mean, said.mean);
             assert!(back.trust > 0.0 && (back.trust - said.trust).abs() <= 1.0 / TRUST_STEPS);
-            for (a, b) in [
-                (back.ray_variance, said.ray_variance),
-                (back.spread, said.spread),
-            ] {
-                assert!((a / b - 1.0).abs() < 0.032, "{a} for {b}");
-            }
+            assert!((back.rays / said.rays - 1.0).abs() < 1.0 / 65_536.0);
             assert_eq!(Said::unpack(&back.pack()), back);
-            let scaled = Said {
-                mean: mean * 1024.0,
-                ray_variance: said.ray_variance * 1_048_576.0,
-                spread: said.spread * 1_048_576.0,
-                ..said
-            };
-            assert_eq!(scaled.pack().packed, said.pack().packed);
         }
-    }
-
-    #[test]
-    fn packing_survives_its_extremes() {
         let none = Said::default();
         assert_eq!(Said::unpack(&none.pack()), none);
-        let dark = Said {
-            trust: 1.0,
-            ray_variance: 1.0,
-            spread: 1.0,
+        let least = Said {
+            trust: 1e-9,
             ..none
         };
-        let back = Said::unpack(&dark.pack());
-        assert_eq!(
-            (back.trust, back.ray_variance, back.spread),
-            (1.0, 0.0, 0.0)
-        );
-        let wild = Said {
-            mean: Vec3::splat(1e-18),
-            trust: 1e-9,
-            ray_variance: f32::MAX,
-            spread: f32::INFINITY,
+        assert!(Said::unpack(&least.pack()).trust > 0.0);
+    }
+
+    /// Two neighbours with the same mean and a variance of a ray of 1: of 100 rays each, their mean has the noise of 200. The
+    /// least spread makes it less by 0.0009.
+    #[test]
+    fn the_guess_counts_by_its_variance() {
+        let around = SurfelIrradiance {
+            mean: Vec3::ONE,
+            samples: 100,
+            variance: 1.0,
+            ..SurfelIrradiance::default()
         };
-        let back = Said::unpack(&wild.pack());
-        assert!(back.trust > 0.0 && back.ray_variance.is_finite() && back.spread.is_finite());
+        let mut asked = Asked::default();
+        asked.add(&around, 1.0, 100, false);
+        asked.add(&around, 1.0, 100, false);
+        let said = asked.said();
+        let rays = 1.0 / (1.0 / 200.0 + LEAST_SPREAD * LEAST_SPREAD);
+        assert!((said.rays / rays - 1.0).abs() < 1e-4, "{}", said.rays);
+        let own = SurfelIrradiance {
+            mean: Vec3::ZERO,
+            samples: 50,
+            ..around
+        };
+        let light = light(&own, 0, &said);
+        assert!((light.irradiance.x - rays / (rays + 50.0)).abs() < 1e-4);
+        // Scale says nothing.
+        let bright = SurfelIrradiance {
+            mean: around.mean * 1024.0,
+            variance: around.variance * 1_048_576.0,
+            ..around
+        };
+        let mut asked = Asked::default();
+        asked.add(&bright, 1.0, 100, false);
+        asked.add(&bright, 1.0, 100, false);
+        assert_eq!(asked.said().pack().packed, said.pack().packed);
+    }
+
+    /// Where all around is black, a surfel that happened on light believes it little.
+    #[test]
+    fn black_neighbours_are_believed() {
+        let black = SurfelIrradiance {
+            samples: 100,
+            ..SurfelIrradiance::default()
+        };
+        let lucky = SurfelIrradiance {
+            mean: Vec3::ONE,
+            samples: 4,
+            variance: 4.0,
+            ..SurfelIrradiance::default()
+        };
+        let mut asked = Asked::default();
+        asked.add(&lucky, 1.0, 0, true);
+        (0..8).for_each(|_| asked.add(&black, 1.0, 100, false));
+        let said = Said::unpack(&asked.said().pack());
+        assert!(light(&lucky, 0, &said).irradiance.x < 0.01);
     }
 
     /// Every surfel asks once in a period, when it is born, and while it is fresh.
@@ -276,11 +286,17 @@ mod tests {
         };
         for surfel in [0, 63, 64, 1000] {
             let times = (100..200)
-                .filter(|&frame| is_due(surfel, &state, frame))
+                .filter(|&frame| is_due(surfel, &state, 0.0, frame))
                 .count();
             assert_eq!(times, 25);
-            assert!((0..FRESH).all(|frame| is_due(surfel, &state, frame)));
-            assert!((100..200).all(|frame| is_due(surfel, &SurfelIrradiance::default(), frame)));
+            assert!((0..FRESH).all(|frame| is_due(surfel, &state, 0.0, frame)));
+            assert!((100..200).all(|frame| is_due(surfel, &state, 0.1, frame)));
+            assert!((100..200).all(|frame| is_due(
+                surfel,
+                &SurfelIrradiance::default(),
+                0.0,
+                frame
+            )));
         }
     }
 }

@@ -6,7 +6,7 @@ use gibs_graph::{Workgroup, stage};
 
 stage! {
     /// A number for each surfel, in the unit of the view that [`SurfelSettings::debug`] names; -1 for slots that are free,
-    /// and where `irradiance` is bound also for surfels without a ray yet, which weigh nothing in a lookup. Of what else is
+    /// and where `irradiance` is bound also for surfels without a ray yet, which know nothing of their own. Of what else is
     /// optional, a view has what it shows.
     pub stage DebugSurfels {
         wgsl: gibs_shaders::stages::DEBUG_SURFELS,

@@ -14,8 +14,8 @@ stage! {
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
     /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
     /// its pixels stands for it, another each frame; but where that is not amply covered all of them are looked at, so that
-    /// the least covered one does not wait for its turn while the camera moves on. A cell whose list is as long as a
-    /// lookup counts as covered.
+    /// the least covered one does not wait for its turn while the camera moves on. A cell that is
+    /// full gets none.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],
@@ -130,13 +130,11 @@ fn fill(
                 list,
             };
             let coverage = coverage(&place, &surfels, p.unseen);
-            // A surfel more would not be visited, and more would be born without end.
-            let is_full = list.len() >= p.settings.lookup as usize;
-            let share = match is_full {
-                true => 1.0,
-                false => (coverage / (AMPLE * p.settings.coverage)).min(1.0),
-            };
+            let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
             wanted[column] = share < 1.0;
+            if surfels.is_full(point.position) {
+                continue;
+            }
             let lane = lane(column);
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;

@@ -1,6 +1,6 @@
 //! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
 use crate::data::SurfelPose;
-use crate::shared::hash;
+use crate::shared::{hash, lookup};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -65,7 +65,7 @@ fn order(p: &Views<'_>, cell: usize) {
     let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
     if start + count > p.entries.len() {
         p.overflow.add(0, count as u32);
-        p.cells.set(cell, UVec2::new(0, 0));
+        p.cells.set(cell, lookup::DROPPED);
         return;
     }
     p.cells.set(cell, UVec2::new(start as u32, count as u32));

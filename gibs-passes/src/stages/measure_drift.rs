@@ -5,8 +5,8 @@ use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec2};
 
 stage! {
-    /// Share of what they know that the surfels of each cell should forget, and by how much their light has changed, by how far their short means have left their
-    /// long ones together, and how far those of all surfels have (GIBS, "Integrator").
+    /// Share of what they know that the surfels of each cell should forget, and by how much their light has changed: by how far
+    /// their short means have left their long ones together, and how far those of all surfels have (GIBS, "Integrator").
     pub stage MeasureDrift {
         wgsl: gibs_shaders::stages::MEASURE_DRIFT,
         workgroup: [64, 1, 1],

@@ -4,7 +4,7 @@ use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
     Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
 };
-use crate::shared::{grid, lookup, octahedral};
+use crate::shared::{grid, lookup, octahedral, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -57,8 +57,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         p.unseen.set(i, p.unseen.get(i).saturating_add(1));
         let birth = &p.births[i];
-        // A scene that lost the surfel's node leaves the surfel where it is.
+        // The scene has lost the surfel's node: it goes in this frame.
         let Some(transform) = p.transforms.get(birth.transform_id as usize) else {
+            p.unseen.set(i, recycling::LOST);
             continue;
         };
         let position = map_point(&transform.to_world, birth.position);

@@ -33,20 +33,24 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    choose(p, group, |place, surfels| {
-        lookup::coverage(place, surfels, |_| {})
+    choose(p, group, |place, surfels, seen| {
+        lookup::coverage(place, surfels, seen)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    choose(p, group, |place, surfels| {
-        wide.coverage(place, surfels, |_| {})
+    choose(p, group, |place, surfels, seen| {
+        wide.coverage(place, surfels, seen)
     });
 }
 
 #[inline(always)]
-fn choose(p: &Views<'_>, group: Workgroup, coverage: impl Fn(&Place<'_>, &Surfels<'_>) -> f32) {
+fn choose(
+    p: &Views<'_>,
+    group: Workgroup,
+    coverage: impl Fn(&Place<'_>, &Surfels<'_>, &mut dyn FnMut(usize)) -> f32,
+) {
     let surfels = Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
@@ -67,7 +71,14 @@ fn choose(p: &Views<'_>, group: Workgroup, coverage: impl Fn(&Place<'_>, &Surfel
                         normal: pose.normal,
                         list: surfels.around(pose.position),
                     };
-                    coverage(&place, &surfels) - lookup::PEAK
+                    // In a long list a lookup may not visit the surfel itself.
+                    let mut own = 0.0;
+                    let all = coverage(&place, &surfels, &mut |id| {
+                        if id == i {
+                            own = lookup::PEAK;
+                        }
+                    });
+                    all - own
                 }
                 false => 0.0,
             };

@@ -3,10 +3,10 @@ use crate::data::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
 use crate::shared::lookup::{self, Surfels};
-use crate::shared::sharing;
+use crate::shared::{grid, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec2};
 
 stage! {
     /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup: distance,
@@ -23,6 +23,7 @@ stage! {
             read poses: SurfelPose,
             read irradiance: SurfelIrradiance,
             optional_read depths: SurfelDepth,
+            read forget: Vec2,
             write neighbours: Neighbours,
         },
         cpu: kernel,
@@ -66,15 +67,22 @@ fn share(
     let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
     let range = group.range(p.poses.len() as u32);
     let number = p.frame.number;
-    let is_due =
-        |i: usize| p.poses[i].radius > 0.0 && sharing::is_due(i as u32, &states[i], number);
+    let is_due = |i: usize| {
+        let pose = &p.poses[i];
+        let share = || p.forget[grid::cell(pose.position, p.grid) as usize].x;
+        pose.radius > 0.0 && sharing::is_due(i as u32, &states[i], share(), number)
+    };
     let asks = |i: usize| sharing::asks(&states[i]);
+    let due: [bool; LANES] = std::array::from_fn(|lane| {
+        let i = range.start + lane;
+        i < range.end && is_due(i)
+    });
     let lists: [_; LANES] = surfels.lists(|lane| {
         let i = range.start + lane;
-        (i < range.end && is_due(i) && asks(i)).then(|| p.poses[i].position)
+        (due[lane] && asks(i)).then(|| p.poses[i].position)
     });
-    for (own, list) in range.clone().zip(lists) {
-        if !is_due(own) {
+    for ((own, list), due) in range.clone().zip(lists).zip(due) {
+        if !due {
             continue;
         }
         let mut asked = sharing::Asked::default();

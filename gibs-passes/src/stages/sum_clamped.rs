@@ -23,7 +23,7 @@ fn plus(a: ClampedLight, b: &ClampedLight) -> ClampedLight {
     ClampedLight {
         taken: a.taken + b.taken,
         brought: a.brought + b.brought,
-        samples: a.samples + b.samples,
+        samples: a.samples.wrapping_add(b.samples),
         pad: 0,
     }
 }

@@ -67,6 +67,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let before = p.irradiance[i].drawn;
         let mut depth = p.depths.get(i);
         for ray in first..last {
+            // One that could not reach the emitter it was drawn for went nowhere.
+            if p.rays[ray].t_max <= 0.0 {
+                continue;
+            }
             let local = sampling::to_local(p.rays[ray].direction, pose.normal);
             let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
             let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);

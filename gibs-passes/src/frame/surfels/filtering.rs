@@ -19,6 +19,7 @@ pub(super) fn filter(
     radiance: &Buffer<Vec4>,
 ) -> Surfels {
     let capacity = surfels.poses.len();
+    let forget = forget(g, grid, &surfels.poses, &surfels.irradiance);
     let neighbours = surfels.neighbours.map(|neighbours| {
         let inputs = share_irradiance::Inputs {
             frame: &scene.frame,
@@ -29,6 +30,7 @@ pub(super) fn filter(
             poses: &surfels.poses,
             irradiance: &surfels.irradiance,
             depths: surfels.depths.as_ref(),
+            forget: &forget,
             neighbours,
         };
         g.add::<share_irradiance::ShareIrradiance>(
@@ -38,7 +40,6 @@ pub(super) fn filter(
         )
         .neighbours
     });
-    let forget = forget(g, grid, &surfels.poses, &surfels.irradiance);
     let clamped = settings
         .clamp
         .then(|| g.transient("clamped_light", capacity));
@@ -60,7 +61,7 @@ pub(super) fn filter(
         Dispatch::Elements(capacity),
     );
     if let Some(clamped) = &integrated.clamped {
-        let (state, total) = g.state("clamped_total", 1, Initial::Zero);
+        let (state, total) = g.state("surfel_clamped", 1, Initial::Zero);
         let inputs = sum_clamped::Inputs { clamped, total };
         let one = Dispatch::Groups([1, 1, 1]);
         let summed = g.add::<sum_clamped::SumClamped>("filtering/clamped", inputs, one);

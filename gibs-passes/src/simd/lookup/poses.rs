@@ -27,7 +27,9 @@ const _: () = assert!(size_of::<SurfelPose>() == 32 && size_of::<SurfelDepth>() 
 #[inline(always)]
 fn check(ids: &[u32; 8], count: usize) {
     let most = ids.iter().fold(0, |most, &id| id.max(most));
-    assert!((most as usize) < count, "surfel {most} of {count}");
+    // Indices of texels, sixteen a surfel, are signed.
+    let exists = (most as usize) < count.min(1 << 27);
+    assert!(exists, "surfel {most} of {count}");
 }
 
 /// Which of eight surfels reach as far as a point, whatever way they face, with so many times their radii: a bit for each.
@@ -270,8 +272,8 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
     let first = _mm256_slli_epi32::<4>(ids);
     let texel = |row: __m256i, column: __m256i| {
         let index = _mm256_add_epi32(first, _mm256_add_epi32(row, column));
-        // SAFETY: the surfels exist; row and column are clamped to 0..=3, so that the index stays within the 16 texels of
-        // each.
+        // SAFETY: the surfels exist and are fewer than 2^27; row and column are clamped to 0..=3, so that the index stays
+        // within the 16 texels of each, and below 2^31.
         let words = unsafe { _mm256_i32gather_epi32::<4>(depths.as_ptr().cast(), index) };
         [
             _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xffff))),
