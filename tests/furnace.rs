@@ -1,7 +1,7 @@
 //! Closed white boxes: albedo a and emission e give radiance e / (1 - a) everywhere, and irradiance pi times that.
 mod common;
 
-use common::{all_backends, mean, render, settings};
+use common::{all_backends, cpu, mean, render, settings};
 use gibs::builtin;
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::{Environment, Light, LightKind, LocalTransform, Node, Scene, Sun};
@@ -91,28 +91,80 @@ fn lit(scale: f32) -> (Scene, View) {
     (scene, view)
 }
 
-/// Multiplying every light by a power of two multiplies the result by exactly that, guided or not.
+/// Multiplying every light by a power of two multiplies the result by exactly that: guided or not, and where surfels are wide,
+/// so that some have hardly any weight, and dim ones lie beside bright ones.
 #[test]
 fn light_scales_exactly() {
+    let guided = Settings {
+        guiding: true,
+        ..settings(2_000)
+    };
+    let wide = Settings {
+        radius: 8.0,
+        clamp: true,
+        ..settings(5_000)
+    };
     for backend in all_backends() {
-        for guiding in [false, true] {
-            let settings = Settings {
-                guiding,
-                ..settings(2_000)
-            };
+        for (settings, side, frames) in [
+            (&settings(2_000), 32, 12),
+            (&guided, 32, 12),
+            (&wide, 48, 24),
+        ] {
             let at = |scale: f32| {
-                let picture = render(backend.as_ref(), &lit(scale), [32, 32], 12, &settings, 1);
+                let picture = render(
+                    backend.as_ref(),
+                    &lit(scale),
+                    [side; 2],
+                    frames,
+                    settings,
+                    1,
+                );
                 picture.rgb("E").expect("E").concat()
             };
             let one = at(1.0);
             assert!(one.iter().any(|e| *e > 0.1));
-            for power in [-20, 20] {
+            for power in [-20, -1, 20] {
                 let scale = 2f32.powi(power);
                 let many = at(scale);
                 let differ = one.iter().zip(&many).filter(|(a, b)| *a * scale != **b);
                 let name = backend.name();
-                assert_eq!(differ.count(), 0, "{name}: 2^{power}, guiding {guiding}");
+                assert_eq!(differ.count(), 0, "{name}: 2^{power}, {settings:?}");
             }
+        }
+    }
+}
+
+/// As above, in the box without sun and sky, where most of what a surfel sees at first is black.
+#[test]
+fn a_lamp_scales_exactly() {
+    let lamp = |scale: f32| {
+        let (mut scene, view) = builtin::by_name("cornell").expect("built in");
+        for material in &mut scene.materials {
+            material.emission *= scale;
+        }
+        (scene, view)
+    };
+    let backend = cpu();
+    for (radius, surfels) in [(0.0, 1000), (4.0, 8192), (8.0, 8192)] {
+        let settings = Settings {
+            radius,
+            surfels,
+            ..settings(5_000)
+        };
+        let at = |scale: f32| {
+            let picture = render(backend.as_ref(), &lamp(scale), [48, 48], 24, &settings, 0);
+            picture.rgb("E").expect("E").concat()
+        };
+        let one = at(1.0);
+        for power in [-20, -10, -1, 10] {
+            let scale = 2f32.powi(power);
+            let many = at(scale);
+            let differ = one.iter().zip(&many).filter(|(a, b)| *a * scale != **b);
+            assert_eq!(
+                differ.count(),
+                0,
+                "2^{power}, radius {radius}, {surfels} surfels"
+            );
         }
     }
 }

@@ -192,7 +192,7 @@ fn radii_keep_their_size_on_the_screen() {
     let settings = settings(2000);
     let size = [96, 96];
     // All surfels there are fit the radius to the room for them.
-    let pixel = 2.0 * (f64::from(view.camera.vfov) / 2.0).tan() / f64::from(size[1]);
+    let pixel = 2.0 * (view.camera.vfov / 2.0).tan() / f64::from(size[1]);
     let wanted = f64::from(settings.radius_in(size)) * pixel;
     for backend in all_backends() {
         let name = backend.name();

@@ -2,7 +2,7 @@
 // and `settings`; `depths` only where the stage binds it.
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, lookup_alignment, lookup_falloff};
+import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff};
 import package::types::{Gathered, SurfelPose};
 
 @if(depths)
@@ -30,6 +30,9 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32) -> Gathered {
             continue;
         }
         weight *= gather_share(id, pose, d);
+        if weight < LOOKUP_LEAST_WEIGHT {
+            continue;
+        }
         g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
         g.confidence += weight * light[id].trust;
@@ -54,6 +57,9 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32) -> Gathered {
             continue;
         }
         weight *= gather_share(id, pose, point - pose.position);
+        if weight < LOOKUP_LEAST_WEIGHT {
+            continue;
+        }
         g.average += light[id].irradiance * weight;
         average_weight += weight;
     }

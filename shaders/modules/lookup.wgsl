@@ -11,6 +11,8 @@ const LOOKUP_SQUASH: f32 = 4.0;
 const LOOKUP_PEAK: f32 = 4.0;
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 const LOOKUP_AVERAGE_OF: u32 = 8u;
+/// Surfels of less weight do not count: their product with dim light would underflow.
+const LOOKUP_LEAST_WEIGHT: f32 = 1e-12;
 /// Where a cell's list would begin that did not fit.
 const LOOKUP_DROPPED: u32 = 0xffffffffu;
 /// Summed weight at which a lookup at a ray's hit ends.

@@ -8,6 +8,8 @@ import package::types::{Neighbours, SurfelIrradiance, SurfelLight};
 const SHARING_REACH: f32 = 2.0;
 /// Neighbours count by their rays, up to so many.
 const SHARING_MOST_RAYS: f32 = 4096.0;
+/// Neighbours of less weight do not count: products with dim light would underflow.
+const SHARING_LEAST_WEIGHT: f32 = 1e-6;
 /// As many rays as the mean of the neighbours is worth at most.
 const SHARING_MOST_WORTH: f32 = 1048576.0;
 /// Relative standard deviation of irradiance between neighbours that is assumed even where none shows.

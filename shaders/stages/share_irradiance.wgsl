@@ -5,7 +5,7 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
+    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
@@ -62,6 +62,9 @@ fn ask(own: u32) -> SharingSaid {
         weight *= visible_share(id, pose, d);
         // A wall between the two may be known to only one of them.
         weight *= visible_share(own, own_pose, pose.position - point);
+        if weight < SHARING_LEAST_WEIGHT {
+            continue;
+        }
         let age = frame.number - state.since;
         let variance = sharing_mean_variance(state);
         ray_variance += weight * state.variance;

@@ -40,8 +40,8 @@ pub enum BenchError {
     },
     /// The truth does not have a pixel for so many of the picture's.
     #[error(
-        "the truth {} has {}x{} pixels, the picture {}x{}: the picture's sides must be the truth's times one whole number; \
-         choose another --size",
+        "the truth {} has {}x{} pixels, the picture {}x{}: the picture's sides must be the truth's times one odd \
+         whole number, so that the truth's pixels have their centres in the picture; choose another --size",
         path.display(), truth[0], truth[1], size[0], size[1]
     )]
     TruthSize {

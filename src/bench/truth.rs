@@ -37,7 +37,7 @@ impl Truth {
         let picture = Picture::read_exr(path)?;
         let own = [picture.width, picture.height];
         let step = size[0].checked_div(own[0]).unwrap_or(0);
-        if step == 0 || own.map(|side| side.checked_mul(step)) != size.map(Some) {
+        if step.is_multiple_of(2) || own.map(|side| side.checked_mul(step)) != size.map(Some) {
             return Err(BenchError::TruthSize {
                 path: path.to_owned(),
                 truth: own,
@@ -88,11 +88,6 @@ impl Truth {
         self.step
     }
 
-    /// Whether the truth has the light at the centres of pixels of the picture.
-    pub fn at_centers(&self) -> bool {
-        self.step % 2 == 1
-    }
-
     /// The errors of a picture's indirect irradiance.
     ///
     /// # Errors
@@ -104,7 +99,7 @@ impl Truth {
         frames: u32,
     ) -> Result<Metrics, BenchError> {
         let options = CompareOptions {
-            centers: self.at_centers(),
+            centers: true,
             ..CompareOptions::default()
         };
         let report =

@@ -220,6 +220,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             say!("{debug}");
         }
     }
-    warn_of(&counters);
+    warn_of(settings.surfels, &counters);
     Ok(())
 }

@@ -60,10 +60,16 @@ struct Holes {
     /// The most of any frame, and that frame; the first has no surfel to begin with and does not count.
     worst: f64,
     worst_frame: u32,
-    /// Of pixels whose surface has been in view for eight frames.
-    settled_mean: f64,
-    settled_worst: f64,
-    settled_worst_frame: u32,
+    /// The same of pixels whose surface has been in view for eight frames; none where there are no such pixels.
+    settled: Option<Settled>,
+}
+
+/// Shares of pixels whose surface has been in view for eight frames.
+#[derive(Debug, Serialize)]
+struct Settled {
+    mean: f64,
+    worst: f64,
+    worst_frame: u32,
 }
 
 impl Holes {
@@ -86,9 +92,14 @@ impl Holes {
             mean: mean(|h| h.holes, |h| h.surfaces),
             worst: all.0,
             worst_frame: all.1,
-            settled_mean: mean(|h| h.settled_holes, |h| h.settled),
-            settled_worst: settled.0,
-            settled_worst_frame: settled.1,
+            settled: later
+                .iter()
+                .any(|row| row.holes.settled > 0)
+                .then(|| Settled {
+                    mean: mean(|h| h.settled_holes, |h| h.settled),
+                    worst: settled.0,
+                    worst_frame: settled.1,
+                }),
         }
     }
 }
@@ -175,17 +186,20 @@ fn table(flight: &Flight, args: &Args) -> String {
     );
     let percent = |share: f64| share * 100.0;
     text += &format!(
-        "holes, of all surfaces: {:.3} %, at most {:.2} % (frame {})\n",
+        "holes after frame 0, of all surfaces: {:.3} %, at most {:.2} % (frame {})\n",
         percent(holes.mean),
         percent(holes.worst),
         holes.worst_frame
     );
-    text += &format!(
-        "holes, of surfaces in view for 8 frames: {:.4} %, at most {:.3} % (frame {})\n",
-        percent(holes.settled_mean),
-        percent(holes.settled_worst),
-        holes.settled_worst_frame
-    );
+    text += &match &holes.settled {
+        Some(settled) => format!(
+            "holes, of surfaces in view for 8 frames: {:.4} %, at most {:.3} % (frame {})\n",
+            percent(settled.mean),
+            percent(settled.worst),
+            settled.worst_frame
+        ),
+        None => "no surface was in view for 8 frames\n".to_owned(),
+    };
     for (i, group) in flight.groups.iter().enumerate() {
         let ms = median_of(&|row| row.frame.groups_ms.get(i).copied());
         text += &format!("{ms:>10.2} ms  {group}\n");

@@ -66,7 +66,7 @@ impl Totals {
 
     /// Says what ran out, and fails where slots are wrong.
     pub fn judge(&self) -> Result<(), CommandError> {
-        warn_shortage(self.starved, self.grid_overflow);
+        warn_shortage(self.surfels, self.starved, self.grid_overflow);
         match self.slot_errors {
             0 => Ok(()),
             errors => Err(CommandError::Slots { errors }),
@@ -75,8 +75,9 @@ impl Totals {
 }
 
 /// Warns of what ran out, with the setting to raise.
-pub(super) fn warn_shortage(starved: u64, overflow: u64) {
-    if starved > 0 {
+pub(super) fn warn_shortage(surfels: u32, starved: u64, overflow: u64) {
+    // Who asked for none wants none.
+    if starved > 0 && surfels > 0 {
         warning!("{starved} births found no free surfel; raise `surfels`");
     }
     if overflow > 0 {
@@ -97,6 +98,6 @@ pub(super) fn title(args: &SceneArgs) -> String {
 }
 
 /// As [`warn_shortage`], of the counters of a renderer.
-pub(super) fn warn_of(counters: &Counters) {
-    warn_shortage(counters.starved.into(), counters.overflow.into());
+pub(super) fn warn_of(surfels: u32, counters: &Counters) {
+    warn_shortage(surfels, counters.starved.into(), counters.overflow.into());
 }

@@ -23,6 +23,10 @@ pub const PEAK: f32 = 4.0;
 /// Beginning and length of a list that did not fit.
 pub const DROPPED: UVec2 = UVec2::new(u32::MAX, 0);
 
+/// Surfels of less weight do not count for anything: their product with dim light would underflow, so that scaling all light
+/// would not scale it exactly.
+pub const LEAST_WEIGHT: f32 = 1e-12;
+
 /// Surfels of a cell that its average takes in: the first ones, which are an unbiased subset.
 pub const AVERAGE_OF: usize = 8;
 
@@ -351,6 +355,9 @@ pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLi
             continue;
         }
         weight *= share(id, d);
+        if weight < LEAST_WEIGHT {
+            continue;
+        }
         g.irradiance += light[id].irradiance * weight;
         g.weight += weight;
         g.confidence += weight * light[id].trust;
@@ -375,6 +382,9 @@ pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLi
             continue;
         }
         weight *= share(id, point - pose.position);
+        if weight < LEAST_WEIGHT {
+            continue;
+        }
         g.average += light[id].irradiance * weight;
         average_weight += weight;
     }

@@ -17,6 +17,9 @@ pub const REACH: f32 = 2.0;
 /// Neighbours count by their rays, up to so many.
 pub const MOST_RAYS: f32 = 4096.0;
 
+/// Neighbours of less weight do not count: products with dim light would underflow, at another brightness than their sum.
+pub const LEAST_WEIGHT: f32 = 1e-6;
+
 /// As many rays as the mean of the neighbours is worth at most.
 pub const MOST_WORTH: f32 = 1_048_576.0;
 
@@ -125,6 +128,9 @@ impl Asked {
     /// Takes in a surfel that has integrated rays, with its weight and its age in frames. `is_own` for the one that asks.
     #[inline]
     pub fn add(&mut self, state: &SurfelIrradiance, weight: f32, age: u32, is_own: bool) {
+        if weight < LEAST_WEIGHT {
+            return;
+        }
         let variance = mean_variance(state);
         self.ray_variance += weight * state.variance;
         self.ray_sum += weight;

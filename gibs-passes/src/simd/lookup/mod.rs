@@ -254,7 +254,7 @@ fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]
             let weight = stored(weight);
             lanes(mask, |lane| {
                 let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
-                if light.trust != 0.0 && g.weight < enough {
+                if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
                     g.irradiance += light.irradiance * weight;
                     g.weight += weight;
                     g.confidence += weight * light.trust;
@@ -285,7 +285,7 @@ fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]
             let weight = stored(weight);
             lanes(mask, |lane| {
                 let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
-                if light.trust != 0.0 {
+                if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT {
                     g.average += light.irradiance * weight;
                     average_weight += weight;
                 }
