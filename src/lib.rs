@@ -19,7 +19,7 @@
 //! # Determinism
 //! The same scene, view, settings, size, seed and sequence of calls give the same bits on one backend and device, whatever
 //! the number of threads. Between backends results differ by rounding alone, since WGSL leaves some of it open; pictures
-//! agree far closer than two seeds do. No random source of the system is read, and no clock but by [`bench`].
+//! agree far closer than two seeds do. No random source of the system is read, and no clock but by [`mod@bench`].
 //!
 //! # Threads
 //! [`Renderer`], [`Gi`] and executables are `Send`: make them on one thread and use them on another. Calls take `&mut

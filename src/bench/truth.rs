@@ -54,10 +54,10 @@ impl Truth {
     }
 
     /// Renders a truth by the reference: the pixels in the middle of squares of as many pixels of the picture as
-    /// [`TRUTH_STEPS`] and the picture's size allow. `progress` is that of [`reference`].
+    /// [`TRUTH_STEPS`] and the picture's size allow. `progress` is that of [`reference()`].
     ///
     /// # Errors
-    /// As [`reference`].
+    /// As [`reference()`].
     pub fn render(
         backend: &dyn Backend,
         scene: &Scene,
