@@ -7,7 +7,7 @@ import package::debug::{
 };
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
-import package::lookup::{lookup_alignment, lookup_falloff};
+import package::lookup::{LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff};
 import package::octahedral::octahedral_unpack;
 import package::sampling::sampling_to_local;
 import package::surface::surface_is_surface;
@@ -92,6 +92,9 @@ fn weighted(point: vec3<f32>, normal: vec3<f32>, mean: bool) -> DebugPixel {
             continue;
         }
         weight *= share(id, pose, d);
+        if weight < LOOKUP_LEAST_WEIGHT {
+            continue;
+        }
         weights += weight;
         sum += value * weight;
     }

@@ -83,6 +83,9 @@ fn weighted(
         if !s.depths.is_empty() {
             weight *= lookup::visibility(&s.depths[id], pose, d);
         }
+        if weight < lookup::LEAST_WEIGHT {
+            continue;
+        }
         weights += weight;
         sum += value * weight;
     }
