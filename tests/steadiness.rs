@@ -11,8 +11,9 @@ use measure::Frames;
 /// one frame to the next, a lamp that glows on for half a second.
 #[test]
 fn light_stands_still_and_goes_out() {
-    // Of the box all light goes. The atrium keeps that of its sky, 40 %, and a change is slower to show than an end.
-    for (name, left, frames) in [("cornell", 0.05, 30), ("atrium", 0.1, 30)] {
+    // Of the box all light goes. The atrium keeps that of its sky, 40 %, and a change is slower to show than an end: it took 28
+    // and 33 frames with two sequences of random numbers.
+    for (name, left, frames) in [("cornell", 0.05, 30), ("atrium", 0.1, 45)] {
         let (scene, view) = builtin::by_name(name).expect("built in");
         let backend = cpu();
         let mut renderer = Renderer::new(
