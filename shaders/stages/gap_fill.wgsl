@@ -68,10 +68,12 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) -> bool {
     let normal = octahedral_unpack(point.shading_normal);
     let coverage = lookup_coverage(point.position, normal);
     let share = min(coverage / (AMPLE * settings.coverage), 1.0);
-    // A cell is full whose list is as long as a lookup, or did not fit.
-    let cell = cells[grid_cell(point.position, grid)];
-    if cell.y >= settings.lookup || cell.x == LOOKUP_DROPPED {
-        return share >= 1.0;
+    // A cell is full whose list is as long as a lookup, or did not fit. What is covered amply bears none anyway.
+    if share < 1.0 {
+        let cell = cells[grid_cell(point.position, grid)];
+        if cell.y >= settings.lookup || cell.x == LOOKUP_DROPPED {
+            return false;
+        }
     }
     let place = (turn << 8u) | lane;
     let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), place) & 0x3fu;

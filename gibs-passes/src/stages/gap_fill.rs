@@ -132,7 +132,8 @@ fn fill(
             let coverage = coverage(&place, &surfels, p.unseen);
             let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
             wanted[column] = share < 1.0;
-            if surfels.is_full(point.position) {
+            // What is covered amply bears none anyway.
+            if wanted[column] && surfels.is_full(point.position) {
                 continue;
             }
             let lane = lane(column);

@@ -170,6 +170,27 @@ unsafe fn weights(
     }
 }
 
+/// Weights of eight surfels at a point, and the mask of those that were above zero before the depth functions.
+///
+/// # Safety
+/// As [`for_near`].
+#[inline(always)]
+unsafe fn weights_at(
+    s: &Surfels<'_>,
+    ids: &[u32; 8],
+    count: usize,
+    point: &Lanes3,
+    normal: &Lanes3,
+) -> ([f32; 8], u32) {
+    // SAFETY: the caller is compiled for AVX2.
+    unsafe {
+        let poses = Poses::load(s.poses, ids);
+        let weight = _mm256_mul_ps(poses.falloff(&poses.to(point)), poses.alignment(normal));
+        let (weight, mask) = weights(s, ids, count, &poses, weight, point);
+        (stored(weight), mask)
+    }
+}
+
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let (point, normal) = (all(place.position), all(place.normal));
@@ -177,18 +198,13 @@ fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> 
     let soon = |id| prefetch(s.depths, id);
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
-        unsafe {
-            let poses = Poses::load(s.poses, ids);
-            let weight = _mm256_mul_ps(poses.falloff(&poses.to(&point)), poses.alignment(&normal));
-            let (weight, mask) = weights(s, ids, count, &poses, weight, &point);
-            let weight = stored(weight);
-            lanes(mask, |lane| {
-                total += weight[lane];
-                if weight[lane] > 0.0 {
-                    seen(ids[lane] as usize);
-                }
-            });
-        }
+        let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
+        lanes(mask, |lane| {
+            total += weight[lane];
+            if weight[lane] > 0.0 {
+                seen(ids[lane] as usize);
+            }
+        });
         true
     };
     // SAFETY: this function is compiled for AVX2.
@@ -247,20 +263,15 @@ fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]
     };
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
-        unsafe {
-            let poses = Poses::load(s.poses, ids);
-            let weight = _mm256_mul_ps(poses.falloff(&poses.to(&point)), poses.alignment(&normal));
-            let (weight, mask) = weights(s, ids, count, &poses, weight, &point);
-            let weight = stored(weight);
-            lanes(mask, |lane| {
-                let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
-                if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
-                    g.irradiance += light.irradiance * weight;
-                    g.weight += weight;
-                    g.confidence += weight * light.trust;
-                }
-            });
-        }
+        let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
+        lanes(mask, |lane| {
+            let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
+            if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
+                g.irradiance += light.irradiance * weight;
+                g.weight += weight;
+                g.confidence += weight * light.trust;
+            }
+        });
         g.weight < enough
     };
     // SAFETY: this function is compiled for AVX2.

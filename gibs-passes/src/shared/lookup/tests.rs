@@ -1,0 +1,56 @@
+//! Tests of `shared/lookup.rs`.
+use super::*;
+
+#[test]
+fn chebyshev_is_one_up_to_the_mean_and_falls_beyond() {
+    let m = Vec2::new(0.4, 0.17);
+    assert_eq!(chebyshev(m, 0.4), 1.0);
+    // Variance 0.01, half a standard deviation beyond: bound 4/5, after the floor 1/2, cubed 1/8.
+    assert!((chebyshev(m, 0.45) - 1.0 / 8.0).abs() < 1e-4);
+    assert_eq!(chebyshev(m, 0.9), 0.0);
+    // Zero variance never divides by zero.
+    assert!(chebyshev(Vec2::new(0.5, 0.25), 0.5 + 1e-6).is_finite());
+}
+
+/// A wall at 0.3 of the diameter is at 0.6 of one half as long, and what was open stays open; over one twice as long, nothing
+/// is known beyond the half.
+#[test]
+fn depth_functions_follow_the_diameter() {
+    let mut depth = SurfelDepth::OPEN;
+    depth.texels[0] = pack_moments(Vec2::new(0.3, 0.09));
+    depth.texels[1] = pack_moments(Vec2::splat(FARTHEST));
+    let close = |texel: u32, m: Vec2| (moments(texel) - m).abs().max_element() < 1e-4;
+    let shrunk = rescaled(&depth, 2.0);
+    assert!(close(shrunk.texels[0], Vec2::new(0.6, 0.36)));
+    assert!(close(shrunk.texels[1], Vec2::ONE));
+    let grown = rescaled(&depth, 0.5);
+    assert!(close(grown.texels[0], Vec2::new(0.15, 0.0225)));
+    assert!(close(grown.texels[1], Vec2::new(0.5, 0.25)));
+    // What no ray has reached stays so, and nothing else looks like it.
+    for rescaled in [shrunk, grown] {
+        let unknown = rescaled.texels.map(|texel| texel == UNKNOWN);
+        assert_eq!(unknown.iter().filter(|&&u| u).count(), 14);
+    }
+}
+
+#[test]
+fn moments_survive_packing_at_their_extremes() {
+    for m in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.25, 0.75)] {
+        assert!((moments(pack_moments(m)) - m).abs().max_element() < 1.0 / 65_535.0);
+    }
+}
+
+#[test]
+fn a_uniform_depth_function_is_uniform() {
+    let depth = SurfelDepth {
+        texels: [pack_moments(Vec2::new(0.5, 0.25)); 16],
+    };
+    for d in [Vec3::Z, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8)] {
+        assert!(
+            (depth_moments(&depth, d) - Vec2::new(0.5, 0.25))
+                .abs()
+                .max_element()
+                < 2e-5
+        );
+    }
+}
