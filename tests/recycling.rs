@@ -3,7 +3,7 @@ mod common;
 
 use common::{all_backends, cpu, mean, settings};
 use gibs::graph::Executable;
-use gibs::passes::data::{SurfelCounters, SurfelPose};
+use gibs::passes::data::{SurfelBirth, SurfelCounters, SurfelPose};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Camera;
 use gibs::{Renderer, builtin};
@@ -283,4 +283,37 @@ fn backing_away_thins_out_a_crowd() {
         backed[1] < born[0] * 8,
         "{backed:?} of which {born:?} are enough"
     );
+}
+
+/// Surfels whose node is not in the scene any more have no place: they are gone after the next frame.
+#[test]
+fn surfels_go_with_their_node() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    let (fewer, _) = builtin::furnace(0.5, 1.0);
+    let nodes = fewer.nodes.len() as u32;
+    let settings = settings(2000);
+    for backend in all_backends() {
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &scene, &view, [64, 64], &settings, 0).expect("one");
+        let lost = |renderer: &mut Renderer| {
+            let exec = renderer.executable();
+            let poses: Vec<SurfelPose> = state(exec, "surfel_poses");
+            let births: Vec<SurfelBirth> = state(exec, "surfel_births");
+            let live = poses
+                .iter()
+                .zip(&births)
+                .filter(|(pose, _)| pose.radius > 0.0);
+            live.filter(|(_, birth)| birth.transform_id >= nodes)
+                .count()
+        };
+        for _ in 0..16 {
+            renderer.frame().expect("a frame");
+        }
+        let before = lost(&mut renderer);
+        assert!(before > 100, "{}: {before} on such nodes", backend.name());
+        renderer.set_scene(&fewer, &view).expect("a change");
+        renderer.frame().expect("a frame");
+        assert_eq!(lost(&mut renderer), 0, "{}", backend.name());
+        check_slots(&mut renderer, backend.name());
+    }
 }

@@ -14,8 +14,7 @@ stage! {
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
     /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
     /// its pixels stands for it, another each frame; but where that is not amply covered all of them are looked at, so that
-    /// the least covered one does not wait for its turn while the camera moves on. A cell that is
-    /// full gets none.
+    /// the least covered one does not wait for its turn while the camera moves on. A cell that is full gets none.
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],

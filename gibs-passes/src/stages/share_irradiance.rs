@@ -9,8 +9,8 @@ use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec2};
 
 stage! {
-    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup: distance,
-    /// normal and depth functions, of both (GIBS, "Irradiance Sharing").
+    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup:
+    /// distance, normal and depth functions, of both (GIBS, "Irradiance Sharing").
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,
         workgroup: [64, 1, 1],
@@ -46,7 +46,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     });
 }
 
-/// Surfels of a workgroup: [`ShareIrradiance::WORKGROUP`].
+/// Surfels of a workgroup.
 const LANES: usize = 64;
 
 #[inline(always)]
