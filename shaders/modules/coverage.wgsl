@@ -1,5 +1,6 @@
 // Summed weight of surfels. Reads the stage's globals `cells`, `entries`, `poses`, `grid` and `settings`, `depths` only
 // where the stage binds it, and calls the stage's function `coverage_seen` with each surfel that has any weight.
+import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{lookup_alignment, lookup_falloff};
@@ -16,10 +17,15 @@ fn coverage_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
 
 /// Summed weight of the surfels at a point: the same weights as `lookup_gather`.
 fn lookup_coverage(point: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let cell = cells[grid_cell(point, grid)];
+    let at = grid_cell(point, grid);
+    let cell = cells[at];
     let count = min(cell.y, settings.lookup);
+    let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
     var sum = 0.0;
     for (var i = 0u; i < count; i++) {
+        if !bounds_may_reach(entries[cell.x + cell.y + i], place, 1u) {
+            continue;
+        }
         let id = entries[cell.x + i];
         let pose = poses[id];
         let d = point - pose.position;

@@ -1,5 +1,6 @@
 // Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`, `light`, `grid`
 // and `settings`; `depths` only where the stage binds it.
+import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff};
@@ -16,12 +17,17 @@ fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
 /// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
-/// weight is below one; elsewhere nobody asks for it.
-fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32) -> Gathered {
-    let cell = cells[grid_cell(point, grid)];
+/// weight is below one and it is wanted.
+fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average: bool) -> Gathered {
+    let at = grid_cell(point, grid);
+    let cell = cells[at];
     let count = min(cell.y, settings.lookup);
+    let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
     var g: Gathered;
     for (var i = 0u; i < count; i++) {
+        if !bounds_may_reach(entries[cell.x + cell.y + i], place, 1u) {
+            continue;
+        }
         let id = entries[cell.x + i];
         let pose = poses[id];
         let d = point - pose.position;
@@ -46,6 +52,9 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32) -> Gathered {
     if g.weight >= 1.0 {
         g.irradiance /= g.weight;
         g.weight = 1.0;
+        return g;
+    }
+    if !wants_average {
         return g;
     }
     var average_weight = 0.0;

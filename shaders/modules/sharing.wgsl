@@ -5,7 +5,7 @@ import package::lookup::lookup_trust;
 import package::types::{Neighbours, SurfelIrradiance, SurfelLight};
 
 /// Reach of a neighbour, in radii: as far as depth functions know what stands between.
-const SHARING_REACH: f32 = 2.0;
+const SHARING_REACH: u32 = 2u;
 /// Neighbours count by their rays, up to so many.
 const SHARING_MOST_RAYS: f32 = 4096.0;
 /// Neighbours of less weight do not count: products with dim light would underflow.

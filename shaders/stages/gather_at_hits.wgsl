@@ -1,11 +1,12 @@
-// Irradiance at the hits of rays from surfels around them: as gather_surfels, up to a weight that is enough.
+// Irradiance at the hits of rays from surfels around them: as gather_surfels, up to a weight that is enough, and with the
+// cell's average for paths that end.
 import package::gather::lookup_gather;
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_ENOUGH_AT_HITS;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
 import package::types::{
-    DispatchArgs, Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings
+    DispatchArgs, Gathered, GridShape, Path, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
@@ -17,7 +18,17 @@ import package::types::{
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read> light: array<SurfelLight>;
 @if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
-@group(0) @binding(9) var<storage, read_write> gathered: array<Gathered>;
+@if(paths) @group(0) @binding(9) var<storage, read> paths: array<Path>;
+@group(0) @binding(10) var<storage, read_write> gathered: array<Gathered>;
+
+@if(paths)
+fn ends(i: u32) -> bool {
+    return paths[i].remaining == 0u;
+}
+@else
+fn ends(i: u32) -> bool {
+    return false;
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -32,7 +43,8 @@ fn main(
     let point = points[i];
     var found = Gathered();
     if surface_is_surface(point) {
-        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal), LOOKUP_ENOUGH_AT_HITS);
+        let normal = octahedral_unpack(point.shading_normal);
+        found = lookup_gather(point.position, normal, LOOKUP_ENOUGH_AT_HITS, ends(i));
     }
     gathered[i] = found;
 }

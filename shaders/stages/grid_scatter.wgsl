@@ -33,7 +33,7 @@ fn main(
             for (var y = span.low.y; y <= span.high.y; y++) {
                 for (var x = span.low.x; x <= span.high.x; x++) {
                     let cell = span.base + (z * grid.side + y) * grid.side + x;
-                    let slot = starts[cell] + atomicAdd(&cursors[cell], 1u);
+                    let slot = 2u * starts[cell] + atomicAdd(&cursors[cell], 1u);
                     if slot < arrayLength(&entries) {
                         entries[slot] = i;
                     }

@@ -1,4 +1,5 @@
 // Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup.
+import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::estimator::estimator_luminance;
 import package::grid::grid_cell;
@@ -35,8 +36,10 @@ fn ask(own: u32) -> SharingSaid {
     let own_pose = poses[own];
     let point = own_pose.position;
     let normal = own_pose.normal;
-    let cell = cells[grid_cell(point, grid)];
+    let at = grid_cell(point, grid);
+    let cell = cells[at];
     let count = min(cell.y, settings.lookup);
+    let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
     var mean = vec3<f32>(0.0);
     var sum = 0.0;
     var squares = 0.0;
@@ -46,6 +49,9 @@ fn ask(own: u32) -> SharingSaid {
     var ray_variance = 0.0;
     var ray_sum = 0.0;
     for (var i = 0u; i < count; i++) {
+        if !bounds_may_reach(entries[cell.x + cell.y + i], place, SHARING_REACH) {
+            continue;
+        }
         let id = entries[cell.x + i];
         let state = irradiance[id];
         if state.samples == 0u {
@@ -53,7 +59,7 @@ fn ask(own: u32) -> SharingSaid {
         }
         let pose = poses[id];
         var wide = pose;
-        wide.radius = SHARING_REACH * pose.radius;
+        wide.radius = f32(SHARING_REACH) * pose.radius;
         let d = point - pose.position;
         var weight = lookup_falloff(d, wide) * lookup_alignment(normal, pose);
         if weight <= 0.0 {

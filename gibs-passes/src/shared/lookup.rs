@@ -1,6 +1,6 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
-use super::grid;
+use super::{bounds, grid};
 use super::octahedral::{self, hemisphere_encode};
 use super::sampling::to_local;
 use super::surface;
@@ -188,19 +188,40 @@ pub struct Surfels<'a> {
     pub settings: &'a SurfelSettings,
 }
 
+/// What a lookup at a point visits.
+#[derive(Clone, Copy, Default)]
+pub struct List<'a> {
+    /// Surfels.
+    pub ids: &'a [u32],
+    /// Their [`bounds`], as many.
+    pub bounds: &'a [u32],
+    /// Where the point is, to compare with those.
+    pub place: u32,
+}
+
 impl<'a> Surfels<'a> {
     /// The surfels that a lookup at a point visits.
     #[inline]
-    pub fn around(&self, point: Vec3) -> &'a [u32] {
-        self.list(grid::cell(point, self.grid) as usize)
+    pub fn around(&self, point: Vec3) -> List<'a> {
+        let cell = grid::cell(point, self.grid);
+        let steps = bounds::steps_in(cell, self.grid);
+        self.list(cell, bounds::place(point - self.grid.centre, steps))
     }
 
+    /// The list of a cell, for a point that has a [`place`](bounds::place) there.
     #[inline]
-    fn list(&self, cell: usize) -> &'a [u32] {
-        let (start, count) = (self.cells[cell].x as usize, self.cells[cell].y);
-        let end = start + count.min(self.settings.lookup) as usize;
+    pub fn list(&self, cell: u32, place: u32) -> List<'a> {
+        let (start, count) = (self.cells[cell as usize].x as usize, self.cells[cell as usize].y);
+        let visited = count.min(self.settings.lookup) as usize;
         // Of a dropped list there is nothing.
-        self.entries.get(start..end).unwrap_or(&[])
+        let words = self.entries.get(start..start + 2 * count as usize).unwrap_or(&[]);
+        let (ids, bounds) = words.split_at(words.len() / 2);
+        let visited = visited.min(ids.len());
+        List {
+            ids: &ids[..visited],
+            bounds: &bounds[..visited],
+            place,
+        }
     }
 
     /// Whether a cell takes no more surfels: its list is as long as a lookup, or did not fit. Of more, each would be visited
@@ -217,18 +238,24 @@ impl<'a> Surfels<'a> {
     pub fn lists<const N: usize>(
         &self,
         mut position: impl FnMut(usize) -> Option<Vec3>,
-    ) -> [&'a [u32]; N] {
+    ) -> [List<'a>; N] {
         const PER_LINE: usize = 16;
         const LINES: usize = 4;
-        let cells: [Option<usize>; N] = std::array::from_fn(|i| {
-            let cell = grid::cell(position(i)?, self.grid) as usize;
-            simd::prefetch(self.cells, cell);
-            Some(cell)
+        let cells: [Option<(u32, Vec3)>; N] = std::array::from_fn(|i| {
+            let point = position(i)?;
+            let cell = grid::cell(point, self.grid);
+            simd::prefetch(self.cells, cell as usize);
+            Some((cell, point))
         });
         cells.map(|cell| {
-            let list = cell.map_or(&[][..], |cell| self.list(cell));
-            for line in (0..list.len().min(LINES * PER_LINE)).step_by(PER_LINE) {
-                simd::prefetch(list, line);
+            let Some((cell, point)) = cell else {
+                return List::default();
+            };
+            let steps = bounds::steps_in(cell, self.grid);
+            let list = self.list(cell, bounds::place(point - self.grid.centre, steps));
+            for line in (0..list.ids.len().min(LINES * PER_LINE)).step_by(PER_LINE) {
+                simd::prefetch(list.bounds, line);
+                simd::prefetch(list.ids, line);
             }
             list
         })
@@ -243,43 +270,74 @@ pub struct Place<'a> {
     /// Normal.
     pub normal: Vec3,
     /// Surfels that the lookup visits: those [`around`](Surfels::around) it.
-    pub list: &'a [u32],
+    pub list: List<'a>,
+}
+
+impl<'a> Place<'a> {
+    /// A point on a surface.
+    #[inline]
+    pub fn new(point: &SurfacePoint, s: &Surfels<'a>) -> Self {
+        Self {
+            position: point.position,
+            normal: octahedral::unpack(point.shading_normal),
+            list: s.around(point.position),
+        }
+    }
 }
 
 /// Points that are looked up at a time.
-const AT_A_TIME: usize = 16;
+pub const AT_A_TIME: usize = 16;
 
-/// Calls `each` with the place of every point of a range, or with none where a ray has met nothing.
+/// Points on surfaces that are looked up at a time; none where there is none.
+pub type Points<'a> = [Option<&'a SurfacePoint>; AT_A_TIME];
+
+/// Calls `each` with the points of a range, [`AT_A_TIME`], and with the first one's index and their number.
 #[inline(always)]
 pub fn at_points(
     points: &[SurfacePoint],
     range: std::ops::Range<usize>,
-    s: &Surfels<'_>,
-    mut each: impl FnMut(usize, Option<&Place<'_>>),
+    mut each: impl FnMut(usize, usize, &Points<'_>),
 ) {
     for start in range.clone().step_by(AT_A_TIME) {
-        let end = range.end.min(start + AT_A_TIME);
-        let points = &points[start..end];
-        let lists: [_; AT_A_TIME] = s.lists(|i| {
-            let point = points.get(i)?;
-            surface::is_surface(point).then_some(point.position)
-        });
-        for (i, (point, list)) in (start..).zip(points.iter().zip(lists)) {
-            let place = surface::is_surface(point).then(|| Place {
-                position: point.position,
-                normal: octahedral::unpack(point.shading_normal),
-                list,
-            });
-            each(i, place.as_ref());
-        }
+        let points = &points[start..range.end.min(start + AT_A_TIME)];
+        let point = |i: usize| points.get(i).filter(|point| surface::is_surface(point));
+        each(start, points.len(), &std::array::from_fn(point));
     }
+}
+
+/// [`coverage`] at each of several points, zero where there is none.
+#[inline]
+pub fn coverages(
+    points: &Points<'_>,
+    s: &Surfels<'_>,
+    mut seen: impl FnMut(usize),
+) -> [f32; AT_A_TIME] {
+    points.map(|point| match point {
+        Some(point) => coverage(&Place::new(point, s), s, &mut seen),
+        None => 0.0,
+    })
+}
+
+/// [`gather`] at each of several points, nothing where there is none. `averaged` tells where the cell's average is wanted.
+#[inline]
+pub fn gathers(
+    points: &Points<'_>,
+    enough: f32,
+    averaged: impl Fn(usize) -> bool,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> [Gathered; AT_A_TIME] {
+    std::array::from_fn(|i| match points[i] {
+        Some(point) => gather(&Place::new(point, s), enough, averaged(i), s, light),
+        None => Gathered::default(),
+    })
 }
 
 /// Summed weight of the surfels at a point: the same weights as [`gather`]. Calls `seen` with each surfel that has any.
 #[inline]
 pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let mut sum = 0.0;
-    for &id in place.list {
+    for &id in place.list.ids {
         let id = id as usize;
         let pose = &s.poses[id];
         let d = place.position - pose.position;
@@ -301,18 +359,18 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
 #[inline]
 pub fn neighbours(
     own: usize,
-    list: &[u32],
-    reach: f32,
+    list: List<'_>,
+    reach: u32,
     s: &Surfels<'_>,
     wanted: impl Fn(usize) -> bool,
     mut each: impl FnMut(usize, f32),
 ) {
     let place = &s.poses[own];
-    for &id in list {
+    for &id in list.ids {
         let id = id as usize;
         let pose = &s.poses[id];
         let wide = SurfelPose {
-            radius: reach * pose.radius,
+            radius: reach as f32 * pose.radius,
             ..*pose
         };
         let d = place.position - pose.position;
@@ -330,13 +388,19 @@ pub fn neighbours(
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
 /// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
-/// weight is below one; elsewhere nobody asks for it.
+/// weight is below one, where it is wanted.
 #[inline]
-pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
+pub fn gather(
+    place: &Place<'_>,
+    enough: f32,
+    averaged: bool,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> Gathered {
     let Place {
         position: point,
         normal,
-        list: entries,
+        list,
     } = *place;
     let share = |id: usize, d: Vec3| {
         if !s.depths.is_empty() {
@@ -346,7 +410,7 @@ pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLi
         }
     };
     let mut g = Gathered::default();
-    for &id in entries {
+    for &id in list.ids {
         let id = id as usize;
         let pose = &s.poses[id];
         let d = point - pose.position;
@@ -373,8 +437,11 @@ pub fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLi
         g.weight = 1.0;
         return g;
     }
+    if !averaged {
+        return g;
+    }
     let mut average_weight = 0.0;
-    for &id in &entries[..entries.len().min(AVERAGE_OF)] {
+    for &id in &list.ids[..list.ids.len().min(AVERAGE_OF)] {
         let id = id as usize;
         let pose = &s.poses[id];
         let mut weight = alignment(normal, pose);

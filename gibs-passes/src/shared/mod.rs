@@ -1,6 +1,7 @@
 //! Functions that several kernels share. Each module has a WGSL module of the same name in `shaders/modules`, written
 //! from the same formulas; they agree to the last bit where the device rounds `+ - * / sqrt` correctly.
 pub mod batch;
+pub mod bounds;
 pub mod debug;
 pub mod emitter;
 pub mod environment;

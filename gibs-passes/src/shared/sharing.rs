@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// Reach of a neighbour, in radii: as far as depth functions know what stands between. Lists hold surfels that reach the cell
 /// with one radius, so that beside a cell's border the farther neighbours of the other side are not asked.
-pub const REACH: f32 = 2.0;
+pub const REACH: u32 = 2;
 
 /// Neighbours count by their rays, up to so many.
 pub const MOST_RAYS: f32 = 4096.0;

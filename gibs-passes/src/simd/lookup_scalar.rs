@@ -1,6 +1,6 @@
 //! The lookup of surfels around a point where there is no wide one.
 use crate::data::{Gathered, SurfelLight};
-use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, List, Place, Points, Surfels};
 
 /// The lookup with the best instructions of this processor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,8 +21,8 @@ impl Lookup {
     pub fn neighbours(
         self,
         own: usize,
-        list: &[u32],
-        reach: f32,
+        list: List<'_>,
+        reach: u32,
         s: &Surfels<'_>,
         wanted: impl Fn(usize) -> bool,
         each: impl FnMut(usize, f32),
@@ -30,14 +30,25 @@ impl Lookup {
         lookup::neighbours(own, list, reach, s, wanted, each);
     }
 
-    /// Same as [`lookup::gather`].
-    pub fn gather(
+    /// Same as [`lookup::coverages`].
+    pub fn coverages(
         self,
-        place: &Place<'_>,
+        points: &Points<'_>,
+        s: &Surfels<'_>,
+        seen: impl FnMut(usize),
+    ) -> [f32; AT_A_TIME] {
+        lookup::coverages(points, s, seen)
+    }
+
+    /// Same as [`lookup::gathers`].
+    pub fn gathers(
+        self,
+        points: &Points<'_>,
         enough: f32,
+        averaged: impl Fn(usize) -> bool,
         s: &Surfels<'_>,
         light: &[SurfelLight],
-    ) -> Gathered {
-        lookup::gather(place, enough, s, light)
+    ) -> [Gathered; AT_A_TIME] {
+        lookup::gathers(points, enough, averaged, s, light)
     }
 }

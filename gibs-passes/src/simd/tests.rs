@@ -84,6 +84,7 @@ fn the_wide_lookup_is_the_scalar_one() {
             position: point,
             normal,
             list: surfels.around(point),
+            average: case % 5 != 0,
         };
         let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
         let coverage = lookup::coverage(&place, &surfels, |id| seen.push(id));

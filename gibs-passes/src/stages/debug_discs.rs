@@ -71,7 +71,7 @@ fn weighted(
     mean: bool,
 ) -> DebugPixel {
     let (mut weights, mut sum) = (0.0, 0.0);
-    for &id in s.around(point) {
+    for &id in s.around(point).ids {
         let id = id as usize;
         let pose = &s.poses[id];
         let d = point - pose.position;
@@ -106,7 +106,7 @@ fn nearest(
 ) -> Option<(usize, f32)> {
     let mut found = None;
     let mut least = f32::MAX;
-    for &id in s.around(point) {
+    for &id in s.around(point).ids {
         let id = id as usize;
         let pose = &s.poses[id];
         let d = point - pose.position;

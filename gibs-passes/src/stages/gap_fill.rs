@@ -2,8 +2,8 @@
 use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, Place, Surfels};
-use crate::shared::{hash, octahedral, surface, upsample};
+use crate::shared::lookup::{self, AT_A_TIME, Points, Surfels};
+use crate::shared::{hash, surface, upsample};
 use crate::simd;
 use gibs_graph::{AtomicView, Workgroup, stage};
 use glam::UVec2;
@@ -55,16 +55,18 @@ const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
 
 const SIDE: usize = GROUP as usize;
 
+const _: () = assert!(SIDE == AT_A_TIME);
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    fill(p, group, |place, surfels, unseen| {
-        lookup::coverage(place, surfels, |id| see(unseen, id))
+    fill(p, group, |points, surfels, unseen| {
+        lookup::coverages(points, surfels, |id| see(unseen, id))
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    fill(p, group, |place, surfels, unseen| {
-        wide.coverage(place, surfels, |id| see(unseen, id))
+    fill(p, group, |points, surfels, unseen| {
+        wide.coverages(points, surfels, |id| see(unseen, id))
     });
 }
 
@@ -80,7 +82,7 @@ fn see(unseen: AtomicView<'_>, id: usize) {
 fn fill(
     p: &Views<'_>,
     group: Workgroup,
-    coverage: impl Fn(&Place<'_>, &Surfels<'_>, AtomicView<'_>) -> f32,
+    coverages: impl Fn(&Points<'_>, &Surfels<'_>, AtomicView<'_>) -> [f32; AT_A_TIME],
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),
@@ -120,15 +122,9 @@ fn fill(
         let lane = |column: usize| row * GROUP + column as u32;
         let point = |column: usize| seen(lane(column), turn).filter(|_| wanted[column]);
         let points: [_; SIDE] = std::array::from_fn(point);
-        let lists: [_; SIDE] = surfels.lists(|column| Some(points[column]?.position));
-        for (column, (point, list)) in points.iter().zip(lists).enumerate() {
+        let coverages = coverages(&points, &surfels, p.unseen);
+        for (column, (point, coverage)) in points.iter().zip(coverages).enumerate() {
             let Some(point) = point else { continue };
-            let place = Place {
-                position: point.position,
-                normal: octahedral::unpack(point.shading_normal),
-                list,
-            };
-            let coverage = coverage(&place, &surfels, p.unseen);
             let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
             wanted[column] = share < 1.0;
             // What is covered amply bears none anyway.

@@ -1,15 +1,16 @@
 //! `persistent/gather_surfels`: irradiance at the hits of rays from the surfels around them (I2).
 use crate::data::{
-    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
+    Gathered, GridShape, Path, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, Points, Surfels};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::UVec2;
 
 stage! {
     /// As [`GatherSurfels`](super::gather_surfels::GatherSurfels), with as many surfels as are enough for the light of a ray
-    /// ("we evaluate the existing surfel lighting at those locations").
+    /// ("we evaluate the existing surfel lighting at those locations"). The cell's average is found for paths that end: where
+    /// there may be any, `paths` is bound.
     pub stage GatherAtHits {
         wgsl: gibs_shaders::stages::GATHER_AT_HITS,
         workgroup: [64, 1, 1],
@@ -23,6 +24,7 @@ stage! {
             read poses: SurfelPose,
             read light: SurfelLight,
             optional_read depths: SurfelDepth,
+            optional_read paths: Path,
             write gathered: Gathered,
         },
         cpu: kernel,
@@ -31,15 +33,15 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    gather(p, group, |place, surfels, light| {
-        lookup::gather(place, lookup::ENOUGH_AT_HITS, surfels, light)
+    gather(p, group, |points, ends, surfels, light| {
+        lookup::gathers(points, lookup::ENOUGH_AT_HITS, ends, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    gather(p, group, |place, surfels, light| {
-        wide.gather(place, lookup::ENOUGH_AT_HITS, surfels, light)
+    gather(p, group, |points, ends, surfels, light| {
+        wide.gathers(points, lookup::ENOUGH_AT_HITS, ends, surfels, light)
     });
 }
 
@@ -47,7 +49,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 fn gather(
     p: &Views<'_>,
     group: Workgroup,
-    gather: impl Fn(&Place<'_>, &Surfels<'_>, &[SurfelLight]) -> Gathered,
+    gathers: impl Fn(&Points<'_>, &dyn Fn(usize) -> bool, &Surfels<'_>, &[SurfelLight]) -> [Gathered; AT_A_TIME],
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),
@@ -59,8 +61,11 @@ fn gather(
     };
     let (points, light) = (p.points.slice(), p.light.slice());
     let range = group.range(p.batch.count);
-    lookup::at_points(points, range, &surfels, |i, place| {
-        let gathered = place.map(|place| gather(place, &surfels, light));
-        p.gathered.set(i, gathered.unwrap_or_default());
+    let ends = |i: usize| !p.paths.is_empty() && p.paths[i].remaining == 0;
+    lookup::at_points(points, range, |first, count, points| {
+        let gathered = gathers(points, &|i| ends(first + i), &surfels, light);
+        for (i, gathered) in (first..).zip(&gathered[..count]) {
+            p.gathered.set(i, *gathered);
+        }
     });
 }

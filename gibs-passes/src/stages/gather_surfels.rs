@@ -2,7 +2,7 @@
 use crate::data::{
     Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, Points, Surfels};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::UVec2;
@@ -31,15 +31,15 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    gather(p, group, |place, surfels, light| {
-        lookup::gather(place, f32::MAX, surfels, light)
+    gather(p, group, |points, surfels, light| {
+        lookup::gathers(points, f32::MAX, |_| true, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    gather(p, group, |place, surfels, light| {
-        wide.gather(place, f32::MAX, surfels, light)
+    gather(p, group, |points, surfels, light| {
+        wide.gathers(points, f32::MAX, |_| true, surfels, light)
     });
 }
 
@@ -47,7 +47,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 fn gather(
     p: &Views<'_>,
     group: Workgroup,
-    gather: impl Fn(&Place<'_>, &Surfels<'_>, &[SurfelLight]) -> Gathered,
+    gathers: impl Fn(&Points<'_>, &Surfels<'_>, &[SurfelLight]) -> [Gathered; AT_A_TIME],
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),
@@ -59,8 +59,10 @@ fn gather(
     };
     let (points, light) = (p.points.slice(), p.light.slice());
     let range = group.range(p.batch.count);
-    lookup::at_points(points, range, &surfels, |i, place| {
-        let gathered = place.map(|place| gather(place, &surfels, light));
-        p.gathered.set(i, gathered.unwrap_or_default());
+    lookup::at_points(points, range, |first, count, points| {
+        let gathered = gathers(points, &surfels, light);
+        for (i, gathered) in (first..).zip(&gathered[..count]) {
+            p.gathered.set(i, *gathered);
+        }
     });
 }

@@ -1,16 +1,18 @@
 //! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
-use crate::data::SurfelPose;
-use crate::shared::{hash, lookup};
+use crate::data::{GridShape, SurfelPose};
+use crate::shared::{bounds, hash, lookup};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
     /// Orders each cell's list by a hash of surfel identity, so that the first N are an unbiased subset and the same
-    /// on every run (X9). A list that does not fit is emptied, whatever arrived first, and its entries are counted.
+    /// on every run (X9), and writes their bounds behind them. A list that does not fit is emptied, whatever arrived first,
+    /// and its entries are counted.
     pub stage GridOrder {
         wgsl: gibs_shaders::stages::GRID_ORDER,
         workgroup: [64, 1, 1],
         ports: {
+            uniform grid: GridShape,
             read poses: SurfelPose,
             read starts: u32,
             read counts: u32,
@@ -36,8 +38,8 @@ const MOST_SORTED: usize = 1024;
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let mut keys = [0u64; MOST_SORTED];
     for cell in group.range(p.cells.len() as u32) {
-        let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
-        if count > MOST_SORTED || start + count > p.entries.len() {
+        let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
+        if count > MOST_SORTED || start + 2 * count > p.entries.len() {
             order(p, cell);
             continue;
         }
@@ -49,8 +51,11 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
             *key = u64::from(hash) << 32 | u64::from(id);
         }
         keys.sort_unstable();
+        let steps = bounds::steps_in(cell as u32, p.grid);
         for (i, key) in keys.iter().enumerate() {
-            p.entries.set(start + i, *key as u32);
+            let id = *key as u32;
+            p.entries.set(start + i, id);
+            p.entries.set(start + count + i, bounds_of(p, id, steps));
         }
     }
 }
@@ -61,9 +66,15 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     }
 }
 
+#[inline]
+fn bounds_of(p: &Views<'_>, id: u32, steps: f32) -> u32 {
+    let pose = &p.poses[id as usize];
+    bounds::pack(pose.position - p.grid.centre, pose.radius, steps)
+}
+
 fn order(p: &Views<'_>, cell: usize) {
-    let (start, count) = (p.starts[cell] as usize, p.counts[cell] as usize);
-    if start + count > p.entries.len() {
+    let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
+    if start + 2 * count > p.entries.len() {
         p.overflow.add(0, count as u32);
         p.cells.set(cell, lookup::DROPPED);
         return;
@@ -88,5 +99,10 @@ fn order(p: &Views<'_>, cell: usize) {
             p.entries.set(start + j, moving);
         }
         gap /= 2;
+    }
+    let steps = bounds::steps_in(cell as u32, p.grid);
+    for i in 0..count {
+        let id = p.entries.get(start + i);
+        p.entries.set(start + count + i, bounds_of(p, id, steps));
     }
 }

@@ -2,7 +2,7 @@
 use crate::data::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, Surfels};
+use crate::shared::lookup::{self, List, Surfels};
 use crate::shared::{grid, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
@@ -53,7 +53,7 @@ const LANES: usize = 64;
 fn share(
     p: &Views<'_>,
     group: Workgroup,
-    neighbours: impl Fn(usize, &[u32], &Surfels<'_>, &[SurfelIrradiance], &mut dyn FnMut(usize, f32)),
+    neighbours: impl Fn(usize, List<'_>, &Surfels<'_>, &[SurfelIrradiance], &mut dyn FnMut(usize, f32)),
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),

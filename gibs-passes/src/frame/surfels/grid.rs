@@ -49,7 +49,8 @@ pub(super) fn build_grid(
         cells: g.transient("grid_cells", u64::from(frame.grid.cells())),
         entries: g.transient(
             "grid_entries",
-            capacity * u64::from(frame.settings.grid_lists),
+            // A surfel and its bounds.
+            2 * capacity * u64::from(frame.settings.grid_lists),
         ),
         overflow: g.zeroed("grid_overflow", 1),
     };
@@ -95,6 +96,7 @@ pub(super) fn fill_grid(
     let ordered = g.add::<grid_order::GridOrder>(
         &format!("{label}_order"),
         grid_order::Inputs {
+            grid: &grid.shape,
             poses,
             starts: &starts,
             counts: &counts,

@@ -134,6 +134,7 @@ pub(super) fn integrate_rays(
             poses: &surfels.poses,
             light: &surfels.light,
             depths: surfels.depths.as_ref(),
+            paths: (depth == settings.continuations).then_some(&segment.paths),
             gathered,
         };
         let gathered = g

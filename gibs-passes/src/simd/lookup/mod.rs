@@ -4,14 +4,22 @@
 //! of the cell's list until there are eight; then come their weights and depth functions, and the sums, one after the
 //! other, in that order.
 #![allow(unsafe_code)]
+mod batch;
+mod bounds;
+mod cells;
+mod pairs;
 mod poses;
 
 use std::arch::x86_64::*;
 
 use super::{Avx2, prefetch};
-use crate::data::{Gathered, SurfelLight};
-use crate::shared::lookup::{self, Place, Surfels};
-use poses::{Lanes3, Poses, all, near, stored};
+use crate::data::{Gathered, SurfelLight, SurfelPose};
+use crate::shared::lookup::{self, AT_A_TIME, List, Place, Points, Surfels};
+use batch::Batch;
+use bounds::Point;
+use glam::Vec3;
+use pairs::for_pairs;
+use poses::{Lanes3, Poses, all, stored};
 
 /// The lookup with the best instructions of this processor. Make one per workgroup.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +53,8 @@ impl Lookup {
     pub fn neighbours(
         self,
         own: usize,
-        list: &[u32],
-        reach: f32,
+        list: List<'_>,
+        reach: u32,
         s: &Surfels<'_>,
         wanted: impl Fn(usize) -> bool,
         each: impl FnMut(usize, f32),
@@ -58,33 +66,52 @@ impl Lookup {
         }
     }
 
-    /// Same as [`lookup::gather`].
+    /// Same as [`lookup::coverages`].
     #[inline]
-    pub fn gather(
+    pub fn coverages(
         self,
-        place: &Place<'_>,
-        enough: f32,
+        points: &Points<'_>,
         s: &Surfels<'_>,
-        light: &[SurfelLight],
-    ) -> Gathered {
+        seen: impl FnMut(usize),
+    ) -> [f32; AT_A_TIME] {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { gather(place, enough, s, light) },
-            None => lookup::gather(place, enough, s, light),
+            Some(Avx2 { .. }) => unsafe { coverages(points, s, seen) },
+            None => lookup::coverages(points, s, seen),
+        }
+    }
+
+    /// Same as [`lookup::gathers`].
+    #[inline]
+    pub fn gathers(
+        self,
+        points: &Points<'_>,
+        enough: f32,
+        averaged: impl Fn(usize) -> bool,
+        s: &Surfels<'_>,
+        light: &[SurfelLight],
+    ) -> [Gathered; AT_A_TIME] {
+        match self.0 {
+            // SAFETY: there is a proof that the processor has the features.
+            Some(Avx2 { .. }) => unsafe { gathers(points, enough, averaged, s, light) },
+            None => lookup::gathers(points, enough, averaged, s, light),
         }
     }
 }
 
-/// Eight entries, the last one repeated where there are fewer, and a mask of those that are there.
-#[inline(always)]
-fn eight(chunk: &[u32]) -> ([u32; 8], u32) {
-    match <[u32; 8]>::try_from(chunk) {
-        Ok(ids) => (ids, 0xff),
-        Err(_) => {
-            let mut ids = [chunk[0]; 8];
-            ids[..chunk.len()].copy_from_slice(chunk);
-            (ids, (1 << chunk.len()) - 1)
+/// The first eight entries, and a mask of those that are there; zero stands for the others.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn eight(entries: &[u32]) -> (__m256i, u32) {
+    // SAFETY: the loads read what the slice has of eight words, and need no alignment.
+    unsafe {
+        if entries.len() >= 8 {
+            return (_mm256_loadu_si256(entries.as_ptr().cast()), 0xff);
         }
+        let lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        let there = _mm256_cmpgt_epi32(_mm256_set1_epi32(entries.len() as i32), lane);
+        let loaded = _mm256_maskload_epi32(entries.as_ptr().cast(), there);
+        (loaded, (1 << entries.len()) - 1)
     }
 }
 
@@ -97,30 +124,34 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
     }
 }
 
-/// Calls `eight_near` with the surfels of a list that reach a point, eight at a time and in order, as far as it says that
-/// it wants more, and with how many of them count. `found` hears of each a little before.
+/// Calls `eight_near` with the surfels of a list that may reach its point with `reach` times their radii, eight at a time
+/// and in order, as far as it says that it wants more, and with how many of them count. `found` hears of each a little
+/// before.
 ///
 /// # Safety
 /// Inlined into functions for processors with AVX2 only.
 #[inline(always)]
 unsafe fn for_near(
-    list: &[u32],
-    s: &Surfels<'_>,
-    reach: f32,
-    point: &Lanes3,
+    list: List<'_>,
+    reach: u32,
     found: impl Fn(usize),
     mut eight_near: impl FnMut(&[u32; 8], usize) -> bool,
 ) {
     let mut waiting = [0; 16];
     let mut count = 0;
-    for chunk in list.chunks(8) {
-        let (ids, there) = eight(chunk);
+    // SAFETY: the caller is compiled for AVX2.
+    let point = unsafe { Point::new(list.place, reach) };
+    for (ids, bounds) in list.ids.chunks(8).zip(list.bounds.chunks(8)) {
         // SAFETY: the caller is compiled for AVX2.
-        let mask = unsafe { near(s.poses, &ids, reach, point) } & there;
+        let mask = unsafe {
+            let (bounds, there) = eight(bounds);
+            point.may_reach(bounds) & there
+        };
         lanes(mask, |lane| {
-            waiting[count & 15] = ids[lane];
+            let id = ids.get(lane).copied().unwrap_or(0);
+            waiting[count & 15] = id;
             count += 1;
-            found(ids[lane] as usize);
+            found(id as usize);
         });
         if count >= 8 {
             let [first, second] = halves(&waiting);
@@ -150,7 +181,7 @@ fn halves(all: &[u32; 16]) -> [[u32; 8]; 2] {
 /// # Safety
 /// As [`for_near`].
 #[inline(always)]
-unsafe fn weights(
+unsafe fn weighed(
     s: &Surfels<'_>,
     ids: &[u32; 8],
     count: usize,
@@ -186,7 +217,7 @@ unsafe fn weights_at(
     unsafe {
         let poses = Poses::load(s.poses, ids);
         let weight = _mm256_mul_ps(poses.falloff(&poses.to(point)), poses.alignment(normal));
-        let (weight, mask) = weights(s, ids, count, &poses, weight, point);
+        let (weight, mask) = weighed(s, ids, count, &poses, weight, point);
         (stored(weight), mask)
     }
 }
@@ -195,7 +226,10 @@ unsafe fn weights_at(
 fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let (point, normal) = (all(place.position), all(place.normal));
     let mut total = 0.0;
-    let soon = |id| prefetch(s.depths, id);
+    let soon = |id| {
+        prefetch(s.poses, id);
+        prefetch(s.depths, id);
+    };
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
         let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
@@ -208,29 +242,32 @@ fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> 
         true
     };
     // SAFETY: this function is compiled for AVX2.
-    unsafe { for_near(place.list, s, 1.0, &point, soon, eight_near) };
+    unsafe { for_near(place.list, 1, soon, eight_near) };
     total
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn neighbours(
     own: usize,
-    list: &[u32],
-    reach: f32,
+    list: List<'_>,
+    reach: u32,
     s: &Surfels<'_>,
     wanted: impl Fn(usize) -> bool,
     mut each: impl FnMut(usize, f32),
 ) {
     let own_pose = &s.poses[own];
     let (point, normal) = (all(own_pose.position), all(own_pose.normal));
-    let soon = |id| prefetch(s.depths, id);
+    let soon = |id| {
+        prefetch(s.poses, id);
+        prefetch(s.depths, id);
+    };
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
         unsafe {
             let poses = Poses::load(s.poses, ids);
-            let falloff = poses.reaching(reach).falloff(&poses.to(&point));
+            let falloff = poses.reaching(reach as f32).falloff(&poses.to(&point));
             let weight = _mm256_mul_ps(falloff, poses.alignment(&normal));
-            let (mut weight, mask) = weights(s, ids, count, &poses, weight, &point);
+            let (mut weight, mask) = weighed(s, ids, count, &poses, weight, &point);
             if mask != 0 && !s.depths.is_empty() {
                 let share = Poses::repeated(own_pose).visibility(
                     s.depths,
@@ -250,59 +287,91 @@ fn neighbours(
         true
     };
     // SAFETY: this function is compiled for AVX2.
-    unsafe { for_near(list, s, reach, &point, soon, eight_near) };
+    unsafe { for_near(list, reach, soon, eight_near) };
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn gather(place: &Place<'_>, enough: f32, s: &Surfels<'_>, light: &[SurfelLight]) -> Gathered {
-    let (point, normal) = (all(place.position), all(place.normal));
-    let mut g = Gathered::default();
-    let soon = |id| {
-        prefetch(s.depths, id);
-        prefetch(light, id);
+fn coverages(points: &Points<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> [f32; AT_A_TIME] {
+    let mut totals = [0.0; AT_A_TIME];
+    let each = |at: usize, id, weight| {
+        totals[at & (AT_A_TIME - 1)] += weight;
+        if weight > 0.0 {
+            seen(id);
+        }
     };
-    let eight_near = |ids: &[u32; 8], count| {
-        // SAFETY: this function is compiled for AVX2.
-        let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
-        lanes(mask, |lane| {
-            let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
-            if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
-                g.irradiance += light.irradiance * weight;
-                g.weight += weight;
-                g.confidence += weight * light.trust;
+    for_pairs(&Batch::new(points, s), s, |_| {}, each);
+    totals
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn gathers(
+    points: &Points<'_>,
+    enough: f32,
+    averaged: impl Fn(usize) -> bool,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> [Gathered; AT_A_TIME] {
+    let batch = Batch::new(points, s);
+    let mut gathered = [Gathered::default(); AT_A_TIME];
+    let each = |at: usize, id: usize, weight: f32| {
+        let (light, g) = (&light[id], &mut gathered[at & (AT_A_TIME - 1)]);
+        if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
+            g.irradiance += light.irradiance * weight;
+            g.weight += weight;
+            g.confidence += weight * light.trust;
+        }
+    };
+    for_pairs(&batch, s, |id| prefetch(light, id), each);
+    let open: [bool; AT_A_TIME] = std::array::from_fn(|i| {
+        let open = points[i].is_some() && gathered[i].weight < 1.0 && averaged(i);
+        if open {
+            for &id in batch.lists[i].ids.iter().take(lookup::AVERAGE_OF) {
+                prefetch(s.poses, id as usize);
+                prefetch(s.depths, id as usize);
+                prefetch(light, id as usize);
             }
-        });
-        g.weight < enough
-    };
-    // SAFETY: this function is compiled for AVX2.
-    unsafe { for_near(place.list, s, 1.0, &point, soon, eight_near) };
-    if g.weight > 0.0 {
-        g.confidence /= g.weight;
-    }
-    if g.weight >= 1.0 {
-        g.irradiance /= g.weight;
-        g.weight = 1.0;
-        return g;
-    }
-    let mut average_weight = 0.0;
-    let most = place.list.len().min(lookup::AVERAGE_OF);
-    for chunk in place.list[..most].chunks(8) {
-        let (ids, _) = eight(chunk);
-        // SAFETY: this function is compiled for AVX2.
-        unsafe {
-            let poses = Poses::load(s.poses, &ids);
-            let weight = poses.alignment(&normal);
-            let (weight, mask) = weights(s, &ids, chunk.len(), &poses, weight, &point);
-            let weight = stored(weight);
-            lanes(mask, |lane| {
-                let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
-                if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT {
-                    g.average += light.irradiance * weight;
-                    average_weight += weight;
-                }
-            });
+        }
+        open
+    });
+    for (i, g) in gathered.iter_mut().enumerate() {
+        if g.weight > 0.0 {
+            g.confidence /= g.weight;
+        }
+        if g.weight >= 1.0 {
+            g.irradiance /= g.weight;
+            g.weight = 1.0;
+        }
+        if open[i] {
+            g.average = average(&batch.points[i], batch.lists[i].ids, s, light);
         }
     }
-    g.average /= average_weight.max(lookup::AVERAGE_LEAST);
-    g
+    gathered
+}
+
+/// The average of a cell at a point, as [`lookup::gather`] finds it.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight]) -> Vec3 {
+    const _: () = assert!(lookup::AVERAGE_OF == 8);
+    let count = ids.len().min(8);
+    let Some(&first) = ids.first() else {
+        return Vec3::ZERO;
+    };
+    let (point, normal) = (all(at.position), all(at.normal));
+    let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+    let ids: [u32; 8] = std::array::from_fn(|i| ids.get(i).copied().unwrap_or(first));
+    // SAFETY: this function is compiled for AVX2.
+    let (weight, mask) = unsafe {
+        let poses = Poses::load(s.poses, &ids);
+        let weight = poses.alignment(&normal);
+        let (weight, mask) = weighed(s, &ids, count, &poses, weight, &point);
+        (stored(weight), mask)
+    };
+    lanes(mask, |lane| {
+        let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
+        if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT {
+            sum += light.irradiance * weight;
+            weights += weight;
+        }
+    });
+    sum / weights.max(lookup::AVERAGE_LEAST)
 }

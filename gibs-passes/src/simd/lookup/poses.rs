@@ -32,36 +32,6 @@ fn check(ids: &[u32; 8], count: usize) {
     assert!(exists, "surfel {most} of {count}");
 }
 
-/// Which of eight surfels reach as far as a point, whatever way they face, with so many times their radii: a bit for each.
-/// None has any weight there without that, since the distance that weights depend on is never shorter.
-///
-/// # Safety
-/// As [`Poses::load`].
-#[inline(always)]
-pub unsafe fn near(poses: &[SurfelPose], ids: &[u32; 8], reach: f32, point: &Lanes3) -> u32 {
-    check(ids, poses.len());
-    // SAFETY: the surfels exist, position and radius are the first four words of a pose, and the loads need no alignment;
-    // the caller has AVX2.
-    unsafe {
-        let row = |lane: usize| _mm_loadu_ps(poses.as_ptr().add(ids[lane] as usize).cast());
-        // Transposes the rows: halves, then pairs of words, then pairs of pairs.
-        let r0 = _mm256_set_m128(row(4), row(0));
-        let r1 = _mm256_set_m128(row(5), row(1));
-        let r2 = _mm256_set_m128(row(6), row(2));
-        let r3 = _mm256_set_m128(row(7), row(3));
-        let (a0, a1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
-        let (a2, a3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
-        let d = [
-            _mm256_sub_ps(point[0], _mm256_shuffle_ps::<0x44>(a0, a2)),
-            _mm256_sub_ps(point[1], _mm256_shuffle_ps::<0xee>(a0, a2)),
-            _mm256_sub_ps(point[2], _mm256_shuffle_ps::<0x44>(a1, a3)),
-        ];
-        let radius = _mm256_mul_ps(_mm256_set1_ps(reach), _mm256_shuffle_ps::<0xee>(a1, a3));
-        let within = _mm256_cmp_ps::<_CMP_LT_OQ>(dot(&d, &d), _mm256_mul_ps(radius, radius));
-        _mm256_movemask_ps(within) as u32
-    }
-}
-
 impl Poses {
     /// # Safety
     /// Inlined into functions for processors with AVX2 only: as a call of its own, it would pass its result through
