@@ -1,8 +1,8 @@
 // The lists of the cells, ordered by a hash of surfel identity, with the surfels' bounds behind them; one that does not fit
 // is emptied.
 import package::bounds::{bounds_pack, bounds_steps_in};
-import package::hash::hash_pcg;
 import package::invocation::invocation_index;
+import package::list_order::list_is_before;
 import package::lookup::LOOKUP_DROPPED;
 import package::types::{GridShape, SurfelPose};
 
@@ -13,15 +13,6 @@ import package::types::{GridShape, SurfelPose};
 @group(0) @binding(4) var<storage, read_write> entries: array<u32>;
 @group(0) @binding(5) var<storage, read_write> cells: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
-
-/// Sort key of a surfel: hash, then slot.
-fn key(id: u32) -> vec2<u32> {
-    return vec2<u32>(hash_pcg(poses[id].identity), id);
-}
-
-fn precedes(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return a.x < b.x || (a.x == b.x && a.y < b.y);
-}
 
 @compute @workgroup_size(64)
 fn main(
@@ -46,11 +37,10 @@ fn main(
     for (var gap = count / 2u; gap > 0u; gap = gap / 2u) {
         for (var i = gap; i < count; i++) {
             let moving = entries[start + i];
-            let moving_key = key(moving);
             var j = i;
             while j >= gap {
                 let other = entries[start + j - gap];
-                if !precedes(moving_key, key(other)) {
+                if !list_is_before(moving, other) {
                     break;
                 }
                 entries[start + j] = other;

@@ -1,16 +1,19 @@
 //! `persistent/grid_count`: how many surfels each cell lists.
-use crate::data::{GridShape, SurfelPose};
+use crate::data::{GridShape, NONE, SurfelPose};
 use crate::shared::grid;
 use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
 
 stage! {
-    /// Counts every live surfel in each cell that the box around it overlaps (S11).
+    /// Counts every live surfel in each cell that the box around it overlaps (S11). Where `claims` is bound, those that were
+    /// claimed, on top of what the cell has.
     pub stage GridCount {
         wgsl: gibs_shaders::stages::GRID_COUNT,
         workgroup: [64, 1, 1],
         ports: {
             uniform grid: GridShape,
             read poses: SurfelPose,
+            optional_read claims: UVec2,
             atomic counts: u32,
         },
         cpu: kernel,
@@ -19,8 +22,17 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.poses.len() as u32) {
-        let pose = &p.poses[i];
+    let claims = p.claims.slice();
+    let surfels = match claims {
+        [] => p.poses.len(),
+        _ => claims.len(),
+    };
+    for i in group.range(surfels as u32) {
+        let id = claims.get(i).map_or(i, |claim| claim.x as usize);
+        if id == NONE as usize {
+            continue;
+        }
+        let pose = &p.poses[id];
         if pose.radius > 0.0 {
             grid::overlapped(pose, p.grid, |cell| {
                 p.counts.add(cell as usize, 1);

@@ -25,10 +25,22 @@ stage! {
     }
 }
 
-/// Sort key of a surfel; equal hashes fall back to the slot.
+/// Sort key of a surfel: equal hashes fall back to the slot.
 #[inline]
-fn before(a: (u32, u32), b: (u32, u32)) -> bool {
-    a.0 < b.0 || (a.0 == b.0 && a.1 < b.1)
+fn key(poses: &[SurfelPose], id: u32) -> (u32, u32) {
+    (hash::pcg(poses[id as usize].identity), id)
+}
+
+/// Whether a surfel stands before another one in a list.
+#[inline]
+pub fn is_before(poses: &[SurfelPose], id: u32, other: u32) -> bool {
+    key(poses, id) < key(poses, other)
+}
+
+/// The bounds of a surfel in a list where a metre has so many steps.
+#[inline]
+pub fn bounds_of(pose: &SurfelPose, grid: &GridShape, steps: f32) -> u32 {
+    bounds::pack(pose.position - grid.centre, pose.radius, steps)
 }
 
 /// Longest list that the wide kernel sorts in a buffer of its own.
@@ -47,7 +59,7 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
         let keys = &mut keys[..count];
         for (i, key) in keys.iter_mut().enumerate() {
             let id = p.entries.get(start + i);
-            let hash = hash::pcg(p.poses[id as usize].identity);
+            let (hash, id) = self::key(p.poses.slice(), id);
             *key = u64::from(hash) << 32 | u64::from(id);
         }
         keys.sort_unstable();
@@ -55,7 +67,8 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
         for (i, key) in keys.iter().enumerate() {
             let id = *key as u32;
             p.entries.set(start + i, id);
-            p.entries.set(start + count + i, bounds_of(p, id, steps));
+            let bounds = bounds_of(&p.poses[id as usize], p.grid, steps);
+            p.entries.set(start + count + i, bounds);
         }
     }
 }
@@ -66,12 +79,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     }
 }
 
-#[inline]
-fn bounds_of(p: &Views<'_>, id: u32, steps: f32) -> u32 {
-    let pose = &p.poses[id as usize];
-    bounds::pack(pose.position - p.grid.centre, pose.radius, steps)
-}
-
 fn order(p: &Views<'_>, cell: usize) {
     let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
     if start + 2 * count > p.entries.len() {
@@ -80,17 +87,15 @@ fn order(p: &Views<'_>, cell: usize) {
         return;
     }
     p.cells.set(cell, UVec2::new(start as u32, count as u32));
-    let key = |id: u32| (hash::pcg(p.poses[id as usize].identity), id);
     // Shell sort: in place, and fast enough for lists of tens to hundreds.
     let mut gap = count / 2;
     while gap > 0 {
         for i in gap..count {
             let moving = p.entries.get(start + i);
-            let moving_key = key(moving);
             let mut j = i;
             while j >= gap {
                 let other = p.entries.get(start + j - gap);
-                if !before(moving_key, key(other)) {
+                if !is_before(p.poses.slice(), moving, other) {
                     break;
                 }
                 p.entries.set(start + j, other);
@@ -102,7 +107,8 @@ fn order(p: &Views<'_>, cell: usize) {
     }
     let steps = bounds::steps_in(cell as u32, p.grid);
     for i in 0..count {
-        let id = p.entries.get(start + i);
-        p.entries.set(start + count + i, bounds_of(p, id, steps));
+        let pose = &p.poses[p.entries.get(start + i) as usize];
+        p.entries
+            .set(start + count + i, bounds_of(pose, p.grid, steps));
     }
 }

@@ -16,7 +16,10 @@ pub mod gather_at_hits;
 pub mod gather_direct;
 pub mod gather_surfels;
 pub mod generate_rays;
+pub mod grid_carry;
 pub mod grid_count;
+pub mod grid_insert;
+pub mod grid_merge;
 pub mod grid_order;
 pub mod grid_scatter;
 pub mod hit_gaps;
@@ -98,7 +101,10 @@ pub fn all() -> Vec<StageInfo> {
         info::<gather_direct::GatherDirect>(),
         info::<gather_surfels::GatherSurfels>(),
         info::<generate_rays::GenerateRays>(),
+        info::<grid_carry::GridCarry>(),
         info::<grid_count::GridCount>(),
+        info::<grid_insert::GridInsert>(),
+        info::<grid_merge::GridMerge>(),
         info::<grid_order::GridOrder>(),
         info::<grid_scatter::GridScatter>(),
         info::<hit_gaps::HitGaps>(),

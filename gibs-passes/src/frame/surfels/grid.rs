@@ -1,10 +1,12 @@
 //! Surfels where they are now, and the grid over them (S3, S5).
 use super::{Grid, SurfelFrame, Surfels};
 use crate::data::*;
-use crate::frame::SceneInputs;
+use crate::frame::{SceneInputs, Settings};
+use crate::shared::grid::GridLayout;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
+use glam::UVec2;
 
 pub(super) fn update_positions(
     g: &mut Graph,
@@ -36,80 +38,147 @@ pub(super) fn update_positions(
     }
 }
 
-/// The lists of every surfel's cells, and how many entries did not fit.
+/// Lists of cells, and how many entries did not fit.
+fn empty_lists(
+    g: &mut Graph,
+    label: &str,
+    grid: GridLayout,
+    settings: &Settings,
+) -> (Buffer<UVec2>, Buffer<u32>) {
+    // A surfel and its bounds.
+    let words = 2 * settings.slots() * u64::from(settings.grid_lists);
+    (
+        g.transient(&format!("{label}_cells"), u64::from(grid.cells())),
+        g.transient(&format!("{label}_entries"), words),
+    )
+}
+
+/// The lists of every surfel's cells.
 pub(super) fn build_grid(
     g: &mut Graph,
     shape: Buffer<GridShape>,
     poses: &Buffer<SurfelPose>,
     frame: &SurfelFrame,
-    capacity: u64,
 ) -> Grid {
-    let grid = Grid {
-        shape,
-        cells: g.transient("grid_cells", u64::from(frame.grid.cells())),
-        entries: g.transient(
-            "grid_entries",
-            // A surfel and its bounds.
-            2 * capacity * u64::from(frame.settings.grid_lists),
-        ),
-        overflow: g.zeroed("grid_overflow", 1),
-    };
-    fill_grid(g, "persistent/grid", grid, poses, capacity)
-}
-
-/// Fills the lists again, now that there are new surfels. What does not fit counts each time.
-pub(super) fn fill_grid(
-    g: &mut Graph,
-    label: &str,
-    grid: Grid,
-    poses: &Buffer<SurfelPose>,
-    capacity: u64,
-) -> Grid {
-    let cells = grid.cells.len();
-    let counts = g.zeroed(&format!("{label}_counts"), cells);
+    let surfels = || Dispatch::Elements(poses.len());
+    let (cells, entries) = empty_lists(g, "grid", frame.grid, &frame.settings);
+    let per_cell = Dispatch::Elements(cells.len());
+    let counts = g.zeroed("grid_counts", cells.len());
     let inputs = grid_count::Inputs {
-        grid: &grid.shape,
+        grid: &shape,
         poses,
+        claims: None,
         counts,
     };
     let counts = g
-        .add::<grid_count::GridCount>(
-            &format!("{label}_count"),
-            inputs,
-            Dispatch::Elements(capacity),
-        )
+        .add::<grid_count::GridCount>("persistent/grid_count", inputs, surfels())
         .counts;
-    let (starts, _) = exclusive_scan(g, &format!("{label}_scan"), &counts);
-    let cursors = g.zeroed(&format!("{label}_cursors"), cells);
+    let (starts, _) = exclusive_scan(g, "persistent/grid_scan", &counts);
+    let cursors = g.zeroed("grid_cursors", cells.len());
     let inputs = grid_scatter::Inputs {
-        grid: &grid.shape,
+        grid: &shape,
         poses,
         starts: &starts,
         cursors,
-        entries: grid.entries,
+        entries,
     };
-    let scattered = g.add::<grid_scatter::GridScatter>(
-        &format!("{label}_scatter"),
-        inputs,
-        Dispatch::Elements(capacity),
-    );
-    let ordered = g.add::<grid_order::GridOrder>(
-        &format!("{label}_order"),
-        grid_order::Inputs {
-            grid: &grid.shape,
-            poses,
-            starts: &starts,
-            counts: &counts,
-            entries: scattered.entries,
-            cells: grid.cells,
-            overflow: grid.overflow,
-        },
-        Dispatch::Elements(cells),
-    );
+    let entries = g
+        .add::<grid_scatter::GridScatter>("persistent/grid_scatter", inputs, surfels())
+        .entries;
+    let overflow = g.zeroed("grid_overflow", 1);
+    let inputs = grid_order::Inputs {
+        grid: &shape,
+        poses,
+        starts: &starts,
+        counts: &counts,
+        entries,
+        cells,
+        overflow,
+    };
+    let ordered = g.add::<grid_order::GridOrder>("persistent/grid_order", inputs, per_cell);
     Grid {
-        shape: grid.shape,
+        shape,
+        counts,
         cells: ordered.cells,
         entries: ordered.entries,
         overflow: ordered.overflow,
     }
+}
+
+/// The lists without the surfels that are gone and with those that were born since. What does not fit counts again.
+pub(super) fn inject(
+    g: &mut Graph,
+    grid: Grid,
+    frame: &SurfelFrame,
+    poses: &Buffer<SurfelPose>,
+    gone: &Buffer<u32>,
+    births: &[&Buffer<UVec2>],
+) -> Grid {
+    let mut counts = grid.counts;
+    for (label, claims) in numbered("apply/inject_count", births) {
+        let inputs = grid_count::Inputs {
+            grid: &grid.shape,
+            poses,
+            claims: Some(claims),
+            counts,
+        };
+        let places = Dispatch::Elements(claims.len());
+        counts = g
+            .add::<grid_count::GridCount>(&label, inputs, places)
+            .counts;
+    }
+    let (starts, _) = exclusive_scan(g, "apply/inject_scan", &counts);
+    let (cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
+    let listed = cells.len();
+    let inputs = grid_carry::Inputs {
+        gone,
+        old_cells: &grid.cells,
+        old_entries: &grid.entries,
+        starts: &starts,
+        counts: &counts,
+        entries,
+        cells,
+        overflow: grid.overflow,
+    };
+    let carried = g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, Dispatch::Elements(listed));
+    let mut born = g.zeroed("injected", listed);
+    let mut entries = carried.entries;
+    for (label, claims) in numbered("apply/inject_insert", births) {
+        let inputs = grid_insert::Inputs {
+            grid: &grid.shape,
+            poses,
+            claims,
+            cells: &carried.cells,
+            born,
+            entries,
+        };
+        let places = Dispatch::Elements(claims.len());
+        let inserted = g.add::<grid_insert::GridInsert>(&label, inputs, places);
+        (born, entries) = (inserted.born, inserted.entries);
+    }
+    let inputs = grid_merge::Inputs {
+        grid: &grid.shape,
+        poses,
+        cells: &carried.cells,
+        born: &born,
+        entries,
+    };
+    let entries = g
+        .add::<grid_merge::GridMerge>("apply/inject_merge", inputs, Dispatch::Elements(listed))
+        .entries;
+    Grid {
+        shape: grid.shape,
+        counts,
+        cells: carried.cells,
+        entries,
+        overflow: carried.overflow,
+    }
+}
+
+/// A label for each, which says which one from the second on.
+fn numbered<'a, T>(label: &str, all: &'a [T]) -> impl Iterator<Item = (String, &'a T)> {
+    all.iter().enumerate().map(move |(i, one)| match i {
+        0 => (label.to_string(), one),
+        _ => (format!("{label}_{i}"), one),
+    })
 }

@@ -180,6 +180,8 @@ struct Slots {
 /// The lists of the grid's cells.
 struct Grid {
     shape: Buffer<GridShape>,
+    /// Entries of each cell, whether or not they fit.
+    counts: Buffer<u32>,
     cells: Buffer<UVec2>,
     entries: Buffer<u32>,
     /// Entries that did not fit.
@@ -206,12 +208,12 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
 
     // Persistent
     let surfels = grid::update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
-    let grid = grid::build_grid(g, shape, &surfels.poses, frame, capacity);
+    let grid = grid::build_grid(g, shape, &surfels.poses, frame);
     let slots = Slots {
         counters: counters.1,
         free: free_slots.1,
     };
-    let (surfels, slots) =
+    let (surfels, slots, gone) =
         recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
 
     let past = settings.debug.filter(|view| view.is_of_the_past());
@@ -219,7 +221,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         .and_then(|view| debug::surfel_values(g, view, &scene, &device_settings, &surfels, None));
 
     // Spawn, before rays are traced, so that new surfels have theirs in the same frame
-    let (surfels, counters_last) = spawn::spawn_surfels(
+    let (surfels, counters_last, claims) = spawn::spawn_surfels(
         g,
         &scene,
         &grid,
@@ -245,8 +247,9 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
     });
 
-    let (surfels, counters_last) = match hit_gaps {
-        Some(gaps) => spawn::bear(
+    let (surfels, counters_last, claims_at_hits) = match hit_gaps {
+        Some(gaps) => {
+            let (surfels, counters, claims) = spawn::bear(
             g,
             &scene,
             &grid,
@@ -257,12 +260,15 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
             &gaps.points,
             counters_last,
             &slots.free,
-        ),
-        None => (surfels, counters_last),
+        );
+            (surfels, counters, Some(claims))
+        }
+        None => (surfels, counters_last, None),
     };
 
     // Apply
-    let grid = grid::fill_grid(g, "apply/inject", grid, &surfels.poses, capacity);
+    let births: Vec<_> = [&claims].into_iter().chain(&claims_at_hits).collect();
+    let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &births);
     let lit = screen::apply(
         g,
         &scene,

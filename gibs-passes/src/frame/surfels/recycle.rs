@@ -6,6 +6,7 @@ use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
 
+/// Gives also which surfels went.
 pub(super) fn recycle(
     g: &mut Graph,
     scene: &SceneInputs,
@@ -14,7 +15,7 @@ pub(super) fn recycle(
     surfels: Surfels,
     slots: Slots,
     capacity: u64,
-) -> (Surfels, Slots) {
+) -> (Surfels, Slots, Buffer<u32>) {
     let gone = g.transient("recycled", capacity);
     let chosen = g.add::<recycle::Recycle>(
         "persistent/recycle",
@@ -66,5 +67,5 @@ pub(super) fn recycle(
         counters: committed.counters,
         free: pushed.free_slots,
     };
-    (surfels, slots)
+    (surfels, slots, chosen.gone)
 }

@@ -5,6 +5,7 @@ use crate::frame::SceneInputs;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
+use glam::UVec2;
 
 #[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
 pub(super) fn spawn_surfels(
@@ -17,7 +18,7 @@ pub(super) fn spawn_surfels(
     points: &Buffer<SurfacePoint>,
     counters: Buffer<SurfelCounters>,
     free_slots: &Buffer<u32>,
-) -> (Surfels, Buffer<SurfelCounters>) {
+) -> (Surfels, Buffer<SurfelCounters>, Buffer<UVec2>) {
     let groups = frame
         .size
         .map(|side| side.div_ceil(gap_fill::GROUP * frame.settings.stride()));
@@ -62,7 +63,7 @@ pub(super) struct Wanted {
     pub flags: Buffer<u32>,
 }
 
-/// Takes slots for the surfels that are wanted, as far as there are any, and writes them.
+/// Takes slots for the surfels that are wanted, as far as there are any, and writes them. Gives the claims as well.
 #[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
 pub(super) fn bear(
     g: &mut Graph,
@@ -75,7 +76,7 @@ pub(super) fn bear(
     points: &Buffer<SurfacePoint>,
     counters: Buffer<SurfelCounters>,
     free_slots: &Buffer<u32>,
-) -> (Surfels, Buffer<SurfelCounters>) {
+) -> (Surfels, Buffer<SurfelCounters>, Buffer<UVec2>) {
     let places = wanted.flags.len();
     let (ranks, total) = exclusive_scan(g, &format!("{label}/rank"), &wanted.flags);
     let claims = g.transient(&format!("{label}_claims"), places);
@@ -131,5 +132,5 @@ pub(super) fn bear(
         depths: written.depths,
         ..surfels
     };
-    (surfels, counters)
+    (surfels, counters, claims)
 }
