@@ -259,6 +259,22 @@ impl<'a> AtomicView<'a> {
         self.0[index].store(value, Ordering::Relaxed);
     }
 
+    /// Asks for the memory of a value that will be needed soon; nothing happens where there is none. One atomic operation
+    /// waits for another, and with it for its memory.
+    #[inline(always)]
+    pub fn prefetch(&self, index: usize) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(soon) = self.0.get(index) {
+            // SAFETY: a prefetch reads nothing; the address is that of the referenced value.
+            unsafe {
+                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                _mm_prefetch::<_MM_HINT_T0>(soon.as_ptr().cast());
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = index;
+    }
+
     /// Number of integers.
     pub fn len(&self) -> usize {
         self.0.len()

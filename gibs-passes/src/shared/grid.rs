@@ -169,11 +169,27 @@ pub fn span(position: Vec3, r: Vec3, grid: &GridShape, part: u32) -> Option<Span
     })
 }
 
+/// The parts in which a box can have a span: the only one if it lies well within a half-axis, as most do, else all.
+#[inline]
+fn parts(position: Vec3, r: Vec3, grid: &GridShape) -> std::ops::Range<u32> {
+    let d = position - grid.centre;
+    let (low, high) = (d.abs() - r, d.abs() + r);
+    for axis in 0..3 {
+        let others = high[(axis + 1) % 3].max(high[(axis + 2) % 3]);
+        if low[axis] > others.max(grid.half * MARGIN) {
+            let part = 1 + 2 * axis as u32 + u32::from(d[axis] < 0.0);
+            return part..part + 1;
+        }
+    }
+    0..PARTS
+}
+
 /// Calls `each` with every cell that a surfel can overlap, once.
 #[inline]
 pub fn overlapped(pose: &SurfelPose, grid: &GridShape, mut each: impl FnMut(u32)) {
     let reach = extents(pose);
-    for span in (0..PARTS).filter_map(|part| span(pose.position, reach, grid, part)) {
+    let parts = parts(pose.position, reach, grid);
+    for span in parts.filter_map(|part| span(pose.position, reach, grid, part)) {
         for z in span.low[2]..=span.high[2] {
             for y in span.low[1]..=span.high[1] {
                 for x in span.low[0]..=span.high[0] {
@@ -182,6 +198,36 @@ pub fn overlapped(pose: &SurfelPose, grid: &GridShape, mut each: impl FnMut(u32)
             }
         }
     }
+}
+
+/// Calls `each` with surfels and cells that they overlap, as [`overlapped`] does, for those of `surfels`; `soon` hears of each
+/// cell well before.
+#[inline(always)]
+pub fn overlapped_by(
+    surfels: impl Iterator<Item = usize>,
+    poses: &[SurfelPose],
+    grid: &GridShape,
+    soon: impl Fn(usize),
+    mut each: impl FnMut(u32, usize),
+) {
+    const ROOM: usize = 256;
+    let (mut pairs, mut count) = ([(0, 0); ROOM], 0);
+    for i in surfels {
+        if poses[i].radius > 0.0 {
+            overlapped(&poses[i], grid, |cell| {
+                if count == ROOM {
+                    pairs.iter().for_each(|&(id, cell)| each(id, cell as usize));
+                    count = 0;
+                }
+                pairs[count] = (i as u32, cell);
+                count += 1;
+                soon(cell as usize);
+            });
+        }
+    }
+    pairs[..count]
+        .iter()
+        .for_each(|&(id, cell)| each(id, cell as usize));
 }
 
 #[cfg(test)]

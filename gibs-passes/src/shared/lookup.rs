@@ -1,9 +1,9 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
-use super::{bounds, grid};
 use super::octahedral::{self, hemisphere_encode};
 use super::sampling::to_local;
 use super::surface;
+use super::{bounds, grid};
 use crate::data::{
     Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
@@ -211,10 +211,16 @@ impl<'a> Surfels<'a> {
     /// The list of a cell, for a point that has a [`place`](bounds::place) there.
     #[inline]
     pub fn list(&self, cell: u32, place: u32) -> List<'a> {
-        let (start, count) = (self.cells[cell as usize].x as usize, self.cells[cell as usize].y);
+        let (start, count) = (
+            self.cells[cell as usize].x as usize,
+            self.cells[cell as usize].y,
+        );
         let visited = count.min(self.settings.lookup) as usize;
         // Of a dropped list there is nothing.
-        let words = self.entries.get(start..start + 2 * count as usize).unwrap_or(&[]);
+        let words = self
+            .entries
+            .get(start..start + 2 * count as usize)
+            .unwrap_or(&[]);
         let (ids, bounds) = words.split_at(words.len() / 2);
         let visited = visited.min(ids.len());
         List {

@@ -49,7 +49,12 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
 fn gather(
     p: &Views<'_>,
     group: Workgroup,
-    gathers: impl Fn(&Points<'_>, &dyn Fn(usize) -> bool, &Surfels<'_>, &[SurfelLight]) -> [Gathered; AT_A_TIME],
+    gathers: impl Fn(
+        &Points<'_>,
+        &dyn Fn(usize) -> bool,
+        &Surfels<'_>,
+        &[SurfelLight],
+    ) -> [Gathered; AT_A_TIME],
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),

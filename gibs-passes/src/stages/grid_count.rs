@@ -1,6 +1,7 @@
 //! `persistent/grid_count`: how many surfels each cell lists.
 use crate::data::{GridShape, NONE, SurfelPose};
 use crate::shared::grid;
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -17,26 +18,35 @@ stage! {
             atomic counts: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let claims = p.claims.slice();
     let surfels = match claims {
         [] => p.poses.len(),
         _ => claims.len(),
     };
-    for i in group.range(surfels as u32) {
+    let counted = group.range(surfels as u32).filter_map(|i| {
         let id = claims.get(i).map_or(i, |claim| claim.x as usize);
-        if id == NONE as usize {
-            continue;
-        }
-        let pose = &p.poses[id];
-        if pose.radius > 0.0 {
-            grid::overlapped(pose, p.grid, |cell| {
-                p.counts.add(cell as usize, 1);
-            });
-        }
-    }
+        (id != NONE as usize).then_some(id)
+    });
+    grid::overlapped_by(
+        counted,
+        p.poses.slice(),
+        p.grid,
+        |cell| p.counts.prefetch(cell),
+        |_, cell| {
+            p.counts.add(cell, 1);
+        },
+    );
 }

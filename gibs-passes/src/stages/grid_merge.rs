@@ -46,7 +46,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let steps = bounds::steps_in(cell as u32, p.grid);
         for i in 0..count {
             let pose = &p.poses[p.entries.get(start + i) as usize];
-            p.entries.set(start + count + i, bounds_of(pose, p.grid, steps));
+            p.entries
+                .set(start + count + i, bounds_of(pose, p.grid, steps));
         }
     }
 }

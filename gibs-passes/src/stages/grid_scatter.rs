@@ -1,6 +1,7 @@
 //! `persistent/grid_scatter`: surfels into the lists of their cells.
 use crate::data::{GridShape, SurfelPose};
 use crate::shared::grid;
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
 
 stage! {
@@ -18,20 +19,32 @@ stage! {
             write entries: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::run(
+        #[inline(always)]
+        || kernel(p, group),
+    );
+}
+
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.poses.len() as u32) {
-        let pose = &p.poses[i];
-        if pose.radius > 0.0 {
-            grid::overlapped(pose, p.grid, |cell| {
-                let slot = (2 * p.starts[cell as usize] + p.cursors.add(cell as usize, 1)) as usize;
-                if slot < p.entries.len() {
-                    p.entries.set(slot, i as u32);
-                }
-            });
-        }
-    }
+    grid::overlapped_by(
+        group.range(p.poses.len() as u32),
+        p.poses.slice(),
+        p.grid,
+        |cell| {
+            p.cursors.prefetch(cell);
+            simd::prefetch(p.starts.slice(), cell);
+        },
+        |id, cell| {
+            let slot = (2 * p.starts[cell] + p.cursors.add(cell, 1)) as usize;
+            if slot < p.entries.len() {
+                p.entries.set(slot, id);
+            }
+        },
+    );
 }

@@ -140,7 +140,8 @@ pub(super) fn inject(
         cells,
         overflow: grid.overflow,
     };
-    let carried = g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, Dispatch::Elements(listed));
+    let carried =
+        g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, Dispatch::Elements(listed));
     let mut born = g.zeroed("injected", listed);
     let mut entries = carried.entries;
     for (label, claims) in numbered("apply/inject_insert", births) {

@@ -250,17 +250,17 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let (surfels, counters_last, claims_at_hits) = match hit_gaps {
         Some(gaps) => {
             let (surfels, counters, claims) = spawn::bear(
-            g,
-            &scene,
-            &grid,
-            &device_settings,
-            surfels,
-            "spawn/hit",
-            &gaps.wanted,
-            &gaps.points,
-            counters_last,
-            &slots.free,
-        );
+                g,
+                &scene,
+                &grid,
+                &device_settings,
+                surfels,
+                "spawn/hit",
+                &gaps.wanted,
+                &gaps.points,
+                counters_last,
+                &slots.free,
+            );
             (surfels, counters, Some(claims))
         }
         None => (surfels, counters_last, None),

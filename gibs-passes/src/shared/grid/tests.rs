@@ -144,3 +144,28 @@ fn a_point_in_a_surfel_lies_in_an_overlapped_cell() {
         assert!(cells.contains(&cell(q, &grid)), "{q} around {p}");
     }
 }
+
+/// Where a box can have a span in one part only, it has none in any other.
+#[test]
+fn other_parts_are_left_out_where_they_have_no_span() {
+    let mut alone = 0;
+    for (_, grid) in grids() {
+        for i in 0..4000 {
+            let random = |k| random_unit(i, k);
+            let far = grid.half * 2f32.powf(4.0 * random(3));
+            let position = grid.centre + Vec3::new(random(0), random(1), random(2)) * far;
+            let r =
+                Vec3::new(random(4), random(5), random(6)).abs() * 0.3 * far * (1.0 + random(7));
+            let parts = parts(position, r, &grid);
+            alone += u32::from(parts.len() == 1);
+            for part in (0..PARTS).filter(|part| !parts.contains(part)) {
+                assert_eq!(
+                    span(position, r, &grid, part),
+                    None,
+                    "{position} {r} {part}"
+                );
+            }
+        }
+    }
+    assert!(alone > 10_000, "{alone}");
+}

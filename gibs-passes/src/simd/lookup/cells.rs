@@ -97,10 +97,7 @@ impl Cells {
         let row = |high, low| _mm256_add_epi32(_mm256_mullo_epi32(high, n), low);
         let layer = _mm256_add_epi32(_mm256_mullo_epi32(face, slices), slice);
         let cube = grid.side.wrapping_mul(grid.side).wrapping_mul(grid.side);
-        let beyond = _mm256_add_epi32(
-            _mm256_set1_epi32(cube as i32),
-            row(row(layer, v), u),
-        );
+        let beyond = _mm256_add_epi32(_mm256_set1_epi32(cube as i32), row(row(layer, v), u));
         let cell = chosen(beyond, row(row(index[2], index[1]), index[0]), in_cube);
         // Steps of bounds.
         let next = _mm256_add_epi32(slice, _mm256_set1_epi32(1));

@@ -291,7 +291,11 @@ fn neighbours(
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn coverages(points: &Points<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> [f32; AT_A_TIME] {
+fn coverages(
+    points: &Points<'_>,
+    s: &Surfels<'_>,
+    mut seen: impl FnMut(usize),
+) -> [f32; AT_A_TIME] {
     let mut totals = [0.0; AT_A_TIME];
     let each = |at: usize, id, weight| {
         totals[at & (AT_A_TIME - 1)] += weight;
