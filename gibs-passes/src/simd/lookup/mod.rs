@@ -8,10 +8,11 @@ mod poses;
 
 use std::arch::x86_64::*;
 
+use super::lanes::{Lanes3, all, stored};
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight};
 use crate::shared::lookup::{self, Place, Surfels};
-use poses::{Lanes3, Poses, all, near, stored};
+use poses::{Poses, near};
 
 /// The lookup with the best instructions of this processor. Make one per workgroup.
 #[derive(Clone, Copy, Debug)]
