@@ -1,7 +1,6 @@
 //! Textures in packed storage, filtered alike on every backend: bilinear, no mip maps, sRGB decoded before filtering.
 use super::hash;
 use crate::data::{Material, NONE, Ray};
-use crate::simd;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Words at the start of the texel buffer that map an sRGB byte to linear, as bits of `f32`.
@@ -111,23 +110,6 @@ pub fn sample(texels: &[u32], first: u32, packed_size: u32, sampler: u32, uv: Ve
 #[inline]
 fn mapped(row: Vec3, uv: Vec2) -> f32 {
     row.x * uv.x + (row.y * uv.y + row.z)
-}
-
-/// Asks for the texels of a material's base colour: with two rows of them, most of what a sample waits for.
-#[inline(always)]
-pub fn prefetch_base_color(material: &Material, texels: &[u32], uv: Vec2) {
-    if material.base_texels == NONE {
-        return;
-    }
-    let uv = Vec2::new(mapped(material.base_u, uv), mapped(material.base_v, uv));
-    let size = unpacked(material.base_size);
-    let (x, y) = scaled(uv, size, material.base_sampler);
-    let column = wrap((x - 0.5).floor() as i32, size.0, material.base_sampler);
-    for y in [y - 0.5, y + 0.5] {
-        let row = wrap(y.floor() as i32, size.1, material.base_sampler >> 2);
-        let index = material.base_texels as i32 + row * size.0 + column;
-        simd::prefetch(texels, index as usize);
-    }
 }
 
 /// Albedo and coverage of a material.

@@ -1,9 +1,13 @@
 //! CPU kernels for processors with wider registers than the compiler may assume. Each is the twin of a scalar function
 //! and gives its results to the bit; which one runs is decided when the program runs.
 #[cfg(target_arch = "x86_64")]
+mod lanes;
+#[cfg(target_arch = "x86_64")]
 mod lookup;
 #[cfg(not(target_arch = "x86_64"))]
 mod lookup_scalar;
+#[cfg(target_arch = "x86_64")]
+mod resolve;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -11,10 +15,11 @@ mod x86;
 mod tests;
 
 #[cfg(not(target_arch = "x86_64"))]
-pub use lookup_scalar::Lookup;
+pub use {crate::stages::resolve_hits::resolve_each as resolve_hits, lookup_scalar::Lookup};
 #[cfg(target_arch = "x86_64")]
 pub use {
     lookup::Lookup,
+    resolve::resolve_hits,
     x86::{Avx2, prefetch},
 };
 

@@ -36,13 +36,18 @@ fn compiled<R>(f: impl FnOnce() -> R) -> R {
 pub fn prefetch<T>(slice: &[T], index: usize) {
     if let Some(soon) = slice.get(index) {
         let start = std::ptr::from_ref(soon).cast::<i8>();
-        for line in (0..size_of::<T>()).step_by(64) {
+        let ask = |byte: usize| {
             // SAFETY: a prefetch reads nothing; the address lies within the referenced value.
             unsafe {
                 std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(
-                    start.add(line),
+                    start.add(byte),
                 )
             };
+        };
+        (0..size_of::<T>()).step_by(64).for_each(ask);
+        // Elements that do not fit into lines may end in one more.
+        if !size_of::<T>().is_multiple_of(64) && !64usize.is_multiple_of(size_of::<T>()) {
+            ask(size_of::<T>() - 1);
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::shared::{octahedral, surface, texture};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::{Vec3, Vec4};
+use std::ops::Range;
 
 stage! {
     /// Position, normals, albedo, emission and transform id of each hit. Normals face the ray; emission leaves the
@@ -56,102 +57,123 @@ fn magnitude(rows: &[Vec4; 3], reach: Vec3) -> f32 {
     row(rows[0]).max(row(rows[1])).max(row(rows[2]))
 }
 
-/// What a hit needs lies anywhere in memory, each part known by the one before: it is asked for a whole workgroup at a
-/// time, part by part.
-fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || {
-            let hits = || {
-                let all = group.range(p.batch.count).map(|i| &p.hits[i]);
-                all.filter(|hit| hit.instance != NONE)
-            };
-            for hit in hits() {
-                simd::prefetch(&p.triangles, hit.triangle as usize);
-            }
-            for hit in hits() {
-                let triangle = &p.triangles[hit.triangle as usize];
-                simd::prefetch(&p.corners, triangle.primitive as usize);
-            }
-            for hit in hits() {
-                let triangle = &p.triangles[hit.triangle as usize];
-                let corners = &p.corners[triangle.primitive as usize];
-                let material = &p.materials[triangle.material() as usize];
-                let uv = uv_at(corners, hit.u, hit.v);
-                texture::prefetch_base_color(material, &p.texels, uv);
-            }
-            kernel(p, group);
-        },
-    );
+/// What hits are looked up in.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// Triangles, in the order of the tree.
+    pub triangles: &'a [Triangle],
+    /// Instances.
+    pub instances: &'a [Instance],
+    /// Vertices of the triangles, by primitive.
+    pub corners: &'a [Corners],
+    /// Materials.
+    pub materials: &'a [Material],
+    /// Texels of all textures; empty where there are none.
+    pub texels: &'a [u32],
 }
 
-#[inline(always)]
+fn scene<'a>(p: &Views<'a>) -> Scene<'a> {
+    Scene {
+        triangles: p.triangles.slice(),
+        instances: p.instances.slice(),
+        corners: p.corners.slice(),
+        materials: p.materials.slice(),
+        texels: p.texels.slice(),
+    }
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let (range, set) = (group.range(p.batch.count), |i, point| {
+        p.points.set(i, point)
+    });
+    simd::resolve_hits(&scene(p), &p.rays, &p.hits, range, set);
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.batch.count) {
-        let hit = p.hits[i];
-        if hit.instance == NONE {
-            p.points.set(i, surface::MISS);
-            continue;
-        }
-        let direction = p.rays[i].direction;
-        let triangle = &p.triangles[hit.triangle as usize];
-        let instance = &p.instances[hit.instance as usize];
-        let corners = &p.corners[triangle.primitive as usize];
-        let material = &p.materials[triangle.material() as usize];
-        let local = triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v;
-        let position = map_point(&instance.object_to_world, local);
-        let reach = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
-        let offset = magnitude(&instance.object_to_world, reach) * surface::OFFSET;
-        // The counter-clockwise side; a mirroring map turns the winding, not the side.
-        let face =
-            map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
-        let front = face.dot(direction) < 0.0;
-        let side = if front { 1.0 } else { -1.0 };
-        let mut smooth = face;
-        if corners.smooth != 0 {
-            let normal = |corner: usize| octahedral::unpack(corners.normals[corner]);
-            let (a, b, c) = (normal(0), normal(1), normal(2));
-            let mixed = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
-            let mapped = map_transposed(&instance.world_to_object, mixed);
-            if mapped.dot(mapped) > 0.0 {
-                smooth = mapped.normalize();
-            }
-            // A vertex normal that contradicts the winding is taken for the same side.
-            if smooth.dot(face) < 0.0 {
-                smooth = -smooth;
-            }
-        }
-        let uv = uv_at(corners, hit.u, hit.v);
-        let color = texture::base_color(material, &p.texels, uv);
-        let shines = front || material.flags & texture::DOUBLE_SIDED != 0;
-        let emission = if shines {
-            texture::emission(material, &p.texels, uv)
-        } else {
-            Vec3::ZERO
-        };
-        let emitter = if shines && texture::is_sampled_emitter(material) {
-            surface::EMITTER
-        } else {
-            0
-        };
-        let (albedo_rg, albedo_b_flags) = surface::pack_albedo(xyz(color), emitter);
-        let transform_id = if triangle.transform_id == NONE {
-            instance.transform_id
-        } else {
-            triangle.transform_id
-        };
-        p.points.set(
+    let (range, set) = (group.range(p.batch.count), |i, point| {
+        p.points.set(i, point)
+    });
+    resolve_each(&scene(p), &p.rays, &p.hits, range, set);
+}
+
+/// Calls `set` with each index of a range and what is where the ray of this index hit.
+#[inline]
+pub fn resolve_each(
+    scene: &Scene<'_>,
+    rays: &[Ray],
+    hits: &[Hit],
+    range: Range<usize>,
+    mut set: impl FnMut(usize, SurfacePoint),
+) {
+    for i in range {
+        let hit = &hits[i];
+        set(
             i,
-            SurfacePoint {
-                position,
-                offset,
-                geometric_normal: octahedral::pack(face * side),
-                shading_normal: octahedral::pack(smooth * side),
-                albedo_rg,
-                albedo_b_flags,
-                emission,
-                transform_id,
+            if hit.instance == NONE {
+                surface::MISS
+            } else {
+                resolve(scene, rays[i].direction, hit)
             },
         );
+    }
+}
+
+/// The surface at a hit of a ray in a direction.
+pub fn resolve(scene: &Scene<'_>, direction: Vec3, hit: &Hit) -> SurfacePoint {
+    let triangle = &scene.triangles[hit.triangle as usize];
+    let instance = &scene.instances[hit.instance as usize];
+    let corners = &scene.corners[triangle.primitive as usize];
+    let material = &scene.materials[triangle.material() as usize];
+    let local = triangle.v0 + triangle.e1 * hit.u + triangle.e2 * hit.v;
+    let position = map_point(&instance.object_to_world, local);
+    let reach = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
+    let offset = magnitude(&instance.object_to_world, reach) * surface::OFFSET;
+    // The counter-clockwise side; a mirroring map turns the winding, not the side.
+    let face =
+        map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
+    let front = face.dot(direction) < 0.0;
+    let side = if front { 1.0 } else { -1.0 };
+    let mut smooth = face;
+    if corners.smooth != 0 {
+        let normal = |corner: usize| octahedral::unpack(corners.normals[corner]);
+        let (a, b, c) = (normal(0), normal(1), normal(2));
+        let mixed = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+        let mapped = map_transposed(&instance.world_to_object, mixed);
+        if mapped.dot(mapped) > 0.0 {
+            smooth = mapped.normalize();
+        }
+        // A vertex normal that contradicts the winding is taken for the same side.
+        if smooth.dot(face) < 0.0 {
+            smooth = -smooth;
+        }
+    }
+    let uv = uv_at(corners, hit.u, hit.v);
+    let color = texture::base_color(material, scene.texels, uv);
+    let shines = front || material.flags & texture::DOUBLE_SIDED != 0;
+    let emission = if shines {
+        texture::emission(material, scene.texels, uv)
+    } else {
+        Vec3::ZERO
+    };
+    let emitter = if shines && texture::is_sampled_emitter(material) {
+        surface::EMITTER
+    } else {
+        0
+    };
+    let (albedo_rg, albedo_b_flags) = surface::pack_albedo(xyz(color), emitter);
+    let transform_id = if triangle.transform_id == NONE {
+        instance.transform_id
+    } else {
+        triangle.transform_id
+    };
+    SurfacePoint {
+        position,
+        offset,
+        geometric_normal: octahedral::pack(face * side),
+        shading_normal: octahedral::pack(smooth * side),
+        albedo_rg,
+        albedo_b_flags,
+        emission,
+        transform_id,
     }
 }

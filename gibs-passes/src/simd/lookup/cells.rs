@@ -1,9 +1,8 @@
 //! The cells of eight points, and where bounds there are compared with them: [`crate::shared::grid::cell`] and
 //! [`crate::shared::bounds::place`], operation for operation.
-#![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
-use super::poses::{Lanes3, all, positive};
+use super::super::lanes::{Lanes3, all, positive, stored_words};
 use crate::data::GridShape;
 use crate::shared::bounds;
 
@@ -119,17 +118,8 @@ impl Cells {
             _mm256_slli_epi32::<{ 2 * BITS }>(step[2]),
         );
         Self {
-            cell: stored(cell),
-            place: stored(place),
+            cell: stored_words(cell),
+            place: stored_words(place),
         }
     }
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn stored(x: __m256i) -> [u32; 8] {
-    let mut lanes = [0; 8];
-    // SAFETY: the store writes the eight words of the array and needs no alignment.
-    unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), x) };
-    lanes
 }

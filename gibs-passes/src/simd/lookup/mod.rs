@@ -12,6 +12,7 @@ mod poses;
 
 use std::arch::x86_64::*;
 
+use super::lanes::{Lanes3, all, stored};
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
 use crate::shared::lookup::{self, AT_A_TIME, List, Place, Points, Surfels};
@@ -19,7 +20,7 @@ use batch::Batch;
 use bounds::Point;
 use glam::Vec3;
 use pairs::for_pairs;
-use poses::{Lanes3, Poses, all, stored};
+use poses::Poses;
 
 /// The lookup with the best instructions of this processor. Make one per workgroup.
 #[derive(Clone, Copy, Debug)]

@@ -6,11 +6,12 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
+use super::super::lanes::stored;
 use super::super::prefetch;
 use super::batch::Batch;
 use super::bounds::Point;
 use super::eight;
-use super::poses::{Poses, stored};
+use super::poses::Poses;
 use crate::shared::lookup::Surfels;
 
 /// Pairs in a line before they go on.

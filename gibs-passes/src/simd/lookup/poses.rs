@@ -2,12 +2,9 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
+use super::super::lanes::{Lanes3, all, dot, negated, positive};
 use crate::data::{SurfelDepth, SurfelPose};
 use crate::shared::lookup;
-use glam::Vec3;
-
-/// Eight vectors, by coordinate.
-pub type Lanes3 = [__m256; 3];
 
 /// Eight surfels, in columns.
 #[derive(Clone, Copy)]
@@ -151,36 +148,6 @@ impl Poses {
     }
 }
 
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn all(v: Vec3) -> Lanes3 {
-    [
-        _mm256_set1_ps(v.x),
-        _mm256_set1_ps(v.y),
-        _mm256_set1_ps(v.z),
-    ]
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
-    let xy = _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1]));
-    _mm256_add_ps(xy, _mm256_mul_ps(a[2], b[2]))
-}
-
-/// The number, or zero where it is negative or none.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn positive(x: __m256) -> __m256 {
-    _mm256_max_ps(x, _mm256_setzero_ps())
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn negated(x: __m256) -> __m256 {
-    _mm256_xor_ps(x, _mm256_set1_ps(-0.0))
-}
-
 /// [`crate::shared::sampling::to_local`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -285,13 +252,4 @@ fn chebyshev(m: &[__m256; 2], t: __m256) -> __m256 {
     ));
     let cubed = _mm256_mul_ps(_mm256_mul_ps(tight, tight), tight);
     _mm256_blendv_ps(cubed, one, _mm256_cmp_ps::<_CMP_LE_OQ>(t, m[0]))
-}
-
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn stored(x: __m256) -> [f32; 8] {
-    let mut lanes = [0.0; 8];
-    // SAFETY: the store writes the eight floats of the array and needs no alignment.
-    unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), x) };
-    lanes
 }

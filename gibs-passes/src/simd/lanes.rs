@@ -1,0 +1,217 @@
+//! Numbers and vectors of eight lanes.
+#![allow(unsafe_code)]
+use std::arch::x86_64::*;
+
+use bytemuck::Pod;
+use glam::Vec3;
+
+/// Eight vectors, by coordinate.
+pub type Lanes3 = [__m256; 3];
+
+/// One vector, eight times.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn all(v: Vec3) -> Lanes3 {
+    [
+        _mm256_set1_ps(v.x),
+        _mm256_set1_ps(v.y),
+        _mm256_set1_ps(v.z),
+    ]
+}
+
+/// Eight dot products.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
+    let xy = _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1]));
+    _mm256_add_ps(xy, _mm256_mul_ps(a[2], b[2]))
+}
+
+/// The number, or zero where it is negative or none.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn positive(x: __m256) -> __m256 {
+    _mm256_max_ps(x, _mm256_setzero_ps())
+}
+
+/// The number with the other sign.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn negated(x: __m256) -> __m256 {
+    _mm256_xor_ps(x, _mm256_set1_ps(-0.0))
+}
+
+/// The lanes, in order.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn stored(x: __m256) -> [f32; 8] {
+    let mut lanes = [0.0; 8];
+    // SAFETY: the store writes the eight floats of the array and needs no alignment.
+    unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), x) };
+    lanes
+}
+
+/// The whole numbers of the lanes, in order.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn stored_words(x: __m256i) -> [u32; 8] {
+    let mut lanes = [0; 8];
+    // SAFETY: the store writes the eight words of the array and needs no alignment.
+    unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), x) };
+    lanes
+}
+
+/// The bits of a mask, or zero.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn selected(mask: __m256, bits: u32) -> __m256i {
+    _mm256_and_si256(_mm256_castps_si256(mask), _mm256_set1_epi32(bits as i32))
+}
+
+/// Lanes in which a word has any of some bits.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn has_any(words: __m256i, bits: u32) -> __m256 {
+    let found = _mm256_and_si256(words, _mm256_set1_epi32(bits as i32));
+    let none = _mm256_cmpeq_epi32(found, _mm256_setzero_si256());
+    inverted(_mm256_castsi256_ps(none))
+}
+
+/// Lanes in which a word is another.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn is_word(words: __m256i, word: u32) -> __m256 {
+    _mm256_castsi256_ps(_mm256_cmpeq_epi32(words, _mm256_set1_epi32(word as i32)))
+}
+
+/// The other lanes.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn inverted(mask: __m256) -> __m256 {
+    _mm256_xor_ps(mask, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
+}
+
+/// Each vector times a number.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn scaled(v: &Lanes3, k: __m256) -> Lanes3 {
+    [
+        _mm256_mul_ps(v[0], k),
+        _mm256_mul_ps(v[1], k),
+        _mm256_mul_ps(v[2], k),
+    ]
+}
+
+/// Each vector plus another.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn sum(a: &Lanes3, b: &Lanes3) -> Lanes3 {
+    [
+        _mm256_add_ps(a[0], b[0]),
+        _mm256_add_ps(a[1], b[1]),
+        _mm256_add_ps(a[2], b[2]),
+    ]
+}
+
+/// Each vector with the magnitudes of its coordinates.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn magnitudes(v: &Lanes3) -> Lanes3 {
+    [magnitude(v[0]), magnitude(v[1]), magnitude(v[2])]
+}
+
+/// The number without its sign.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn magnitude(x: __m256) -> __m256 {
+    _mm256_andnot_ps(_mm256_set1_ps(-0.0), x)
+}
+
+/// `chosen` in the lanes of a mask, elsewhere `other`.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn either(mask: __m256, chosen: &Lanes3, other: &Lanes3) -> Lanes3 {
+    [
+        _mm256_blendv_ps(other[0], chosen[0], mask),
+        _mm256_blendv_ps(other[1], chosen[1], mask),
+        _mm256_blendv_ps(other[2], chosen[2], mask),
+    ]
+}
+
+/// Each vector, turned around in the lanes of a mask.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn turned(v: &Lanes3, mask: __m256) -> Lanes3 {
+    let sign = _mm256_and_ps(mask, _mm256_set1_ps(-0.0));
+    [
+        _mm256_xor_ps(v[0], sign),
+        _mm256_xor_ps(v[1], sign),
+        _mm256_xor_ps(v[2], sign),
+    ]
+}
+
+/// Rows of four words to columns of eight lanes, or the other way round: the halves of register `i` are rows `i` and
+/// `i + 4`.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn transposed(r: &[__m256; 4]) -> [__m256; 4] {
+    let (a0, a1) = (
+        _mm256_unpacklo_ps(r[0], r[1]),
+        _mm256_unpackhi_ps(r[0], r[1]),
+    );
+    let (a2, a3) = (
+        _mm256_unpacklo_ps(r[2], r[3]),
+        _mm256_unpackhi_ps(r[2], r[3]),
+    );
+    [
+        _mm256_shuffle_ps::<0x44>(a0, a2),
+        _mm256_shuffle_ps::<0xee>(a0, a2),
+        _mm256_shuffle_ps::<0x44>(a1, a3),
+        _mm256_shuffle_ps::<0xee>(a1, a3),
+    ]
+}
+
+/// Words `FIRST..FIRST + 4` of eight elements, in columns.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn columns<const FIRST: usize, T: Pod>(elements: &[&T; 8]) -> [__m256; 4] {
+    const { assert!((FIRST + 4) * size_of::<f32>() <= size_of::<T>()) };
+    let row = |lane: usize| {
+        let start = std::ptr::from_ref(elements[lane]).cast::<f32>();
+        // SAFETY: the four words lie within the element, as asserted, and plain data has no padding; the load needs no
+        // alignment.
+        unsafe { _mm_loadu_ps(start.add(FIRST)) }
+    };
+    transposed(&[
+        _mm256_set_m128(row(4), row(0)),
+        _mm256_set_m128(row(5), row(1)),
+        _mm256_set_m128(row(6), row(2)),
+        _mm256_set_m128(row(7), row(3)),
+    ])
+}
+
+/// Inverse of [`columns`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn store_columns<const FIRST: usize, T: Pod>(elements: &mut [T; 8], columns: &[__m256; 4]) {
+    const { assert!((FIRST + 4) * size_of::<f32>() <= size_of::<T>()) };
+    let rows = transposed(columns);
+    let start = elements.as_mut_ptr();
+    let store = |lane: usize, row: __m128| {
+        // SAFETY: the lane is one of the eight, the four words lie within its element, as asserted, any bits are valid in
+        // plain data, and the store needs no alignment.
+        unsafe { _mm_storeu_ps(start.add(lane & 7).cast::<f32>().add(FIRST), row) };
+    };
+    for (lane, &pair) in rows.iter().enumerate() {
+        store(lane, _mm256_castps256_ps128(pair));
+        store(lane + 4, _mm256_extractf128_ps::<1>(pair));
+    }
+}
+
+/// Inverse of [`stored`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn loaded(lanes: &[f32; 8]) -> __m256 {
+    // SAFETY: the load reads the eight floats of the array and needs no alignment.
+    unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
+}

@@ -1,0 +1,212 @@
+//! Positions and normals at eight hits: the first part of [`crate::stages::resolve_hits::resolve`], operation for
+//! operation, with [`crate::shared::octahedral`].
+use std::arch::x86_64::*;
+
+use super::super::lanes::{
+    Lanes3, columns, dot, either, has_any, inverted, is_word, magnitude, magnitudes, positive,
+    scaled, sum, turned,
+};
+use crate::data::{Corners, Hit, Instance, NONE, Ray, Triangle};
+use crate::shared::surface;
+
+/// What eight hits are on.
+pub struct On<'a> {
+    /// The hits.
+    pub hits: [&'a Hit; 8],
+    /// Their rays.
+    pub rays: [&'a Ray; 8],
+    /// Triangles.
+    pub triangles: [&'a Triangle; 8],
+    /// Instances.
+    pub instances: [&'a Instance; 8],
+    /// Corners of the triangles.
+    pub corners: [&'a Corners; 8],
+}
+
+/// Surfaces at eight hits, but for their materials.
+#[derive(Clone, Copy)]
+pub struct Geometry {
+    /// Position and offset, in columns.
+    pub place: [__m256; 4],
+    /// Packed geometric and shading normals.
+    pub normals: [__m256i; 2],
+    /// The ray comes from the front.
+    pub front: __m256,
+    /// Texture coordinates.
+    pub uv: [__m256; 2],
+    /// Node that the surface moves with.
+    pub transform_id: __m256i,
+}
+
+impl Geometry {
+    /// Surfaces at eight hits.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn at(on: &On<'_>) -> Self {
+        let [u, v, _, _] = columns::<1, _>(&on.hits);
+        let w = _mm256_sub_ps(_mm256_sub_ps(_mm256_set1_ps(1.0), u), v);
+        let [v0x, v0y, v0z, _] = columns::<0, _>(&on.triangles);
+        let [e1x, e1y, e1z, _] = columns::<4, _>(&on.triangles);
+        let [e2x, e2y, e2z, moves] = columns::<8, _>(&on.triangles);
+        let (v0, e1, e2) = ([v0x, v0y, v0z], [e1x, e1y, e1z], [e2x, e2y, e2z]);
+        let to_world = [
+            columns::<12, _>(&on.instances),
+            columns::<16, _>(&on.instances),
+            columns::<20, _>(&on.instances),
+        ];
+        let local = sum(&sum(&v0, &scaled(&e1, u)), &scaled(&e2, v));
+        let reach = sum(&sum(&magnitudes(&v0), &magnitudes(&e1)), &magnitudes(&e2));
+        let along = |[x, y, z, w]: [__m256; 4]| _mm256_add_ps(dot(&[x, y, z], &local), w);
+        let far = |[x, y, z, w]: [__m256; 4]| {
+            _mm256_add_ps(dot(&magnitudes(&[x, y, z]), &reach), magnitude(w))
+        };
+        let largest = larger(larger(far(to_world[0]), far(to_world[1])), far(to_world[2]));
+        let place = [
+            along(to_world[0]),
+            along(to_world[1]),
+            along(to_world[2]),
+            _mm256_mul_ps(largest, _mm256_set1_ps(surface::OFFSET)),
+        ];
+        let to_object = [
+            columns::<0, _>(&on.instances),
+            columns::<4, _>(&on.instances),
+            columns::<8, _>(&on.instances),
+        ];
+        let face = normalized(&map_transposed(&to_object, &cross(&e1, &e2)));
+        let [x, y, z, _] = columns::<4, _>(&on.rays);
+        let front = _mm256_cmp_ps::<_CMP_LT_OQ>(dot(&face, &[x, y, z]), _mm256_setzero_ps());
+        let [n0, n1, n2, smooth] = columns::<0, _>(&on.corners);
+        let smooth = has_any(_mm256_castps_si256(smooth), u32::MAX);
+        let mut shading = face;
+        if _mm256_movemask_ps(smooth) != 0 {
+            let mixed = sum(
+                &sum(&scaled(&unpack(n0), w), &scaled(&unpack(n1), u)),
+                &scaled(&unpack(n2), v),
+            );
+            let mapped = map_transposed(&to_object, &mixed);
+            let some = _mm256_cmp_ps::<_CMP_GT_OQ>(dot(&mapped, &mapped), _mm256_setzero_ps());
+            let known = either(_mm256_and_ps(some, smooth), &normalized(&mapped), &face);
+            let against = _mm256_cmp_ps::<_CMP_LT_OQ>(dot(&known, &face), _mm256_setzero_ps());
+            shading = turned(&known, _mm256_and_ps(against, smooth));
+        }
+        let back = inverted(front);
+        let [_, _, instance_moves, _] = columns::<24, _>(&on.instances);
+        Geometry {
+            place,
+            normals: [pack(&turned(&face, back)), pack(&turned(&shading, back))],
+            front,
+            uv: uv_at(&on.corners, u, v, w),
+            transform_id: _mm256_castps_si256(_mm256_blendv_ps(
+                moves,
+                instance_moves,
+                is_word(_mm256_castps_si256(moves), NONE),
+            )),
+        }
+    }
+}
+
+/// [`crate::stages::trace_closest::uv_at`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn uv_at(corners: &[&Corners; 8], u: __m256, v: __m256, w: __m256) -> [__m256; 2] {
+    let [ax, ay, bx, by] = columns::<4, _>(corners);
+    let [_, _, cx, cy] = columns::<6, _>(corners);
+    let mixed = |a, b, c| {
+        let ab = _mm256_add_ps(_mm256_mul_ps(a, w), _mm256_mul_ps(b, u));
+        _mm256_add_ps(ab, _mm256_mul_ps(c, v))
+    };
+    [mixed(ax, bx, cx), mixed(ay, by, cy)]
+}
+
+/// [`crate::stages::resolve_hits::map_transposed`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
+    let part = |i: usize| {
+        let [x, y, z, _] = rows[i];
+        scaled(&[x, y, z], v[i])
+    };
+    sum(&sum(&part(0), &part(1)), &part(2))
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn cross(a: &Lanes3, b: &Lanes3) -> Lanes3 {
+    let part =
+        |i: usize, j: usize| _mm256_sub_ps(_mm256_mul_ps(a[i], b[j]), _mm256_mul_ps(b[i], a[j]));
+    [part(1, 2), part(2, 0), part(0, 1)]
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn normalized(v: &Lanes3) -> Lanes3 {
+    let length = _mm256_sqrt_ps(dot(v, v));
+    scaled(v, _mm256_div_ps(_mm256_set1_ps(1.0), length))
+}
+
+/// `f32::max`: the other one where one is not a number.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn larger(a: __m256, b: __m256) -> __m256 {
+    let unordered = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, a);
+    // The instruction gives its second operand where either is not a number.
+    _mm256_blendv_ps(_mm256_max_ps(b, a), b, unordered)
+}
+
+/// What an octahedral map makes of the lower half: [`crate::shared::octahedral`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn folded(p: &[__m256; 2], z: __m256) -> [__m256; 2] {
+    let one = _mm256_set1_ps(1.0);
+    let over = |along, across| {
+        let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(along, _mm256_setzero_ps());
+        let sign = _mm256_blendv_ps(_mm256_set1_ps(-1.0), one, positive);
+        _mm256_mul_ps(_mm256_sub_ps(one, magnitude(across)), sign)
+    };
+    let upper = _mm256_cmp_ps::<_CMP_GE_OQ>(z, _mm256_setzero_ps());
+    [
+        _mm256_blendv_ps(over(p[0], p[1]), p[0], upper),
+        _mm256_blendv_ps(over(p[1], p[0]), p[1], upper),
+    ]
+}
+
+/// [`crate::shared::octahedral::pack`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn pack(n: &Lanes3) -> __m256i {
+    let total = _mm256_add_ps(
+        _mm256_add_ps(magnitude(n[0]), magnitude(n[1])),
+        magnitude(n[2]),
+    );
+    let [x, y] = folded(
+        &[_mm256_div_ps(n[0], total), _mm256_div_ps(n[1], total)],
+        n[2],
+    );
+    let half = _mm256_set1_ps(0.5);
+    let word = |c| {
+        let unit = _mm256_add_ps(_mm256_mul_ps(c, half), half);
+        let steps = _mm256_add_ps(_mm256_mul_ps(unit, _mm256_set1_ps(65_535.0)), half);
+        // Not below zero, so that truncation rounds down; zero for what is not a number.
+        _mm256_cvttps_epi32(positive(steps))
+    };
+    _mm256_or_si256(word(x), _mm256_slli_epi32::<16>(word(y)))
+}
+
+/// [`crate::shared::octahedral::unpack`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn unpack(bits: __m256) -> Lanes3 {
+    let bits = _mm256_castps_si256(bits);
+    let (one, two) = (_mm256_set1_ps(1.0), _mm256_set1_ps(2.0));
+    let signed = |word| {
+        let unit = _mm256_div_ps(_mm256_cvtepi32_ps(word), _mm256_set1_ps(65_535.0));
+        _mm256_sub_ps(_mm256_mul_ps(unit, two), one)
+    };
+    let p = [
+        signed(_mm256_and_si256(bits, _mm256_set1_epi32(0xffff))),
+        signed(_mm256_srli_epi32::<16>(bits)),
+    ];
+    let z = _mm256_sub_ps(_mm256_sub_ps(one, magnitude(p[0])), magnitude(p[1]));
+    let [x, y] = folded(&p, z);
+    normalized(&[x, y, z])
+}
