@@ -1,9 +1,11 @@
 //! Wide lookups give the scalar ones' bits.
 use super::{Avx2, Lookup};
-use crate::data::{SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
-use crate::shared::grid::GridLayout;
+use crate::data::{Gathered, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
+use crate::shared::bounds;
+use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
-use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, Place, Points, Surfels};
+use crate::shared::octahedral;
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -15,8 +17,8 @@ fn direction(i: u32, k: u32) -> Vec3 {
     v.try_normalize().unwrap_or(Vec3::Z)
 }
 
-/// Surfels in a cube of side 2, all in the list of every cell: some without a radius, some without samples, every
-/// tenth with the normal -z, where the basis changes its sign.
+/// Surfels in a cube of side 2, all in the list of the one cell where points lie: some small, some without a radius, some
+/// without samples, every tenth with the normal -z, where the basis changes its sign.
 #[test]
 fn the_wide_lookup_is_the_scalar_one() {
     if Avx2::detect().is_none() {
@@ -30,7 +32,7 @@ fn the_wide_lookup_is_the_scalar_one() {
             radius: if i % 13 == 0 {
                 0.0
             } else {
-                0.9 + 0.8 * random(i, 3)
+                [0.2, 0.9][i as usize % 2] * (1.0 + 0.8 * random(i, 3))
             },
             normal: if i % 10 == 0 {
                 Vec3::NEG_Z
@@ -57,12 +59,25 @@ fn the_wide_lookup_is_the_scalar_one() {
         })
         .collect();
     let layout = GridLayout::new(4, 10.0);
-    let grid = layout.at(Vec3::ZERO, 4.0);
+    // Cells of side 2, in one of which all points lie.
+    let grid = layout.at(Vec3::ONE, 4.0);
+    let cell = grid::cell(Vec3::ZERO, &grid);
+    let steps = bounds::steps_in(cell, &grid);
+    let bounds = |id: u32| {
+        let pose = &poses[id as usize];
+        bounds::pack(pose.position - grid.centre, pose.radius, steps)
+    };
     let wide = Lookup::new();
     let (mut covered, mut averaged) = (0, 0);
     for case in 0..3000u32 {
-        let entries: Vec<u32> = (0..case % 41).map(|k| hash3(case, k, 1) % 200).collect();
-        let cells = vec![UVec2::new(0, entries.len() as u32); layout.cells() as usize];
+        let ids: Vec<u32> = (0..case % 41).map(|k| hash3(case, k, 1) % 200).collect();
+        let entries: Vec<u32> = ids
+            .iter()
+            .copied()
+            .chain(ids.iter().map(|&id| bounds(id)))
+            .collect();
+        let mut cells = vec![UVec2::ZERO; layout.cells() as usize];
+        cells[cell as usize] = UVec2::new(0, ids.len() as u32);
         let settings = SurfelSettings {
             lookup: if case % 7 == 0 { 5 } else { 128 },
             ..SurfelSettings::default()
@@ -76,7 +91,7 @@ fn the_wide_lookup_is_the_scalar_one() {
             settings: &settings,
         };
         // Every ninth point is the centre of a surfel.
-        let (point, normal) = match entries.first() {
+        let (point, normal) = match ids.first() {
             Some(&id) if case % 9 == 0 => (poses[id as usize].position, poses[id as usize].normal),
             _ => (direction(case, 20) * random(case, 23), direction(case, 24)),
         };
@@ -84,7 +99,6 @@ fn the_wide_lookup_is_the_scalar_one() {
             position: point,
             normal,
             list: surfels.around(point),
-            average: case % 5 != 0,
         };
         let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
         let coverage = lookup::coverage(&place, &surfels, |id| seen.push(id));
@@ -95,23 +109,45 @@ fn the_wide_lookup_is_the_scalar_one() {
         let own = (case % 200) as usize;
         let wanted = |id: usize| !id.is_multiple_of(7);
         let each = |id, weight: f32| around.push((id, weight.to_bits()));
-        lookup::neighbours(own, surfels.around(point), 1.5, &surfels, wanted, each);
+        let own_list = surfels.around(poses[own].position);
+        let reach = 1 + case % 2;
+        lookup::neighbours(own, own_list, reach, &surfels, wanted, each);
         let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
-        wide.neighbours(own, surfels.around(point), 1.5, &surfels, wanted, each);
+        wide.neighbours(own, own_list, reach, &surfels, wanted, each);
         assert_eq!(around, same_around, "case {case}");
         let enough = [f32::MAX, lookup::ENOUGH_AT_HITS, 1.0][case as usize % 3];
-        let gathered = lookup::gather(&place, enough, &surfels, &light);
-        let same = wide.gather(&place, enough, &surfels, &light);
+        // As many points as are looked up at a time, some of which are missing.
+        let all: [SurfacePoint; AT_A_TIME] = std::array::from_fn(|i| SurfacePoint {
+            position: direction(case, 30 + i as u32) * 0.99 * random(case, 50 + i as u32),
+            shading_normal: octahedral::pack(direction(case, 70 + i as u32)),
+            ..SurfacePoint::default()
+        });
+        let points: Points<'_> =
+            std::array::from_fn(|i| (hash3(case, i as u32, 3) % 8 != 0).then_some(&all[i]));
+        let wanted = |i: usize| i % 3 != 0;
+        let gathered = lookup::gathers(&points, enough, wanted, &surfels, &light);
+        let same = wide.gathers(&points, enough, wanted, &surfels, &light);
         assert_eq!(
-            bytemuck::bytes_of(&gathered),
-            bytemuck::bytes_of(&same),
+            bytemuck::cast_slice::<_, u8>(&gathered),
+            bytemuck::cast_slice::<_, u8>(&same),
             "case {case}: {gathered:?} and {same:?}"
         );
-        covered += u32::from(gathered.weight == 1.0);
-        averaged += u32::from(gathered.weight < 1.0 && gathered.average.x > 0.0);
+        let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
+        let coverages = lookup::coverages(&points, &surfels, |id| seen.push(id));
+        let same = wide.coverages(&points, &surfels, |id| same_seen.push(id));
+        assert_eq!(
+            coverages.map(f32::to_bits),
+            same.map(f32::to_bits),
+            "case {case}"
+        );
+        assert_eq!(seen, same_seen, "case {case}");
+        let is_covered = |g: &&Gathered| g.weight == 1.0;
+        covered += gathered.iter().filter(is_covered).count();
+        let is_averaged = |g: &&Gathered| g.weight < 1.0 && g.average.x > 0.0;
+        averaged += gathered.iter().filter(is_averaged).count();
     }
     assert!(
-        covered > 200 && averaged > 300,
+        covered > 400 && averaged > 3000,
         "{covered} covered, {averaged} averaged"
     );
 }

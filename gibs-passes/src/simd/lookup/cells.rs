@@ -123,3 +123,58 @@ impl Cells {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Avx2;
+    use super::*;
+    use crate::shared::grid::{self, GridLayout};
+    use crate::shared::hash;
+    use glam::Vec3;
+
+    /// Points from the centre to beyond the last slice, on its planes and axes too.
+    #[test]
+    fn eight_cells_are_those_of_eight_points() {
+        let Some(avx2) = Avx2::detect() else {
+            eprintln!("not run: this processor has no AVX2");
+            return;
+        };
+        for (side, half) in [(4, 1e-3f32), (17, 0.5), (40, 1e3)] {
+            let grid = GridLayout::new(side, 400.0).at(Vec3::new(0.1, -0.2, 0.3) * half, half);
+            for case in 0..4000 {
+                let points: [Vec3; 8] = std::array::from_fn(|lane| {
+                    let random = |k| hash::unit(hash::hash3(case, lane as u32, k)) * 2.0 - 1.0;
+                    let far = half * 2f32.powf(5.0 + 6.0 * random(3));
+                    let d = Vec3::new(random(0), random(1), random(2)) * far;
+                    grid.centre
+                        + match case % 5 {
+                            0 => Vec3::new(d.x, d.x, d.z),
+                            1 => Vec3::new(d.x, 0.0, -d.x),
+                            _ => d,
+                        }
+                });
+                let found = avx2.run(
+                    #[inline(always)]
+                    || {
+                        let lanes = |f: fn(Vec3) -> f32| {
+                            let x = points.map(f);
+                            // SAFETY: the load reads eight floats and needs no alignment; this runs where there is AVX2.
+                            unsafe { _mm256_loadu_ps(x.as_ptr()) }
+                        };
+                        // SAFETY: as above.
+                        unsafe {
+                            Cells::of(&[lanes(|p| p.x), lanes(|p| p.y), lanes(|p| p.z)], &grid)
+                        }
+                    },
+                );
+                for (lane, &point) in points.iter().enumerate() {
+                    let cell = grid::cell(point, &grid);
+                    assert_eq!(found.cell[lane], cell, "{point}");
+                    let steps = bounds::steps_in(cell, &grid);
+                    let place = bounds::place(point - grid.centre, steps);
+                    assert_eq!(found.place[lane], place, "{point}");
+                }
+            }
+        }
+    }
+}
