@@ -11,7 +11,7 @@ const RECYCLING_LOST: u32 = 0xffffffffu;
 /// Chance per frame of an unseen surfel, while nothing presses.
 const RECYCLING_CALM: f32 = 1.0 / 1200.0;
 /// Chance per frame of an unseen surfel when all slots are in use.
-const RECYCLING_PRESSED: f32 = 1.0 / 12.0;
+const RECYCLING_PRESSED: f32 = 1.0 / 4.0;
 /// Distance, over the half size of the grid's centre cube, at which an unseen surfel goes twice as soon as one close by.
 const RECYCLING_FAR: f32 = 32.0;
 /// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
@@ -33,12 +33,13 @@ fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
     }
     let pressure = clamp((used - RECYCLING_EASE) / (1.0 - RECYCLING_EASE), 0.0, 1.0);
     let squared = pressure * pressure;
+    let fourth = squared * squared;
     let crowd = clamp((others - RECYCLING_CROWDED) / RECYCLING_CROWDED, 0.0, 1.0) * RECYCLING_THINNING;
     let patience = f32(RECYCLING_PATIENCE) - f32(RECYCLING_PATIENCE - RECYCLING_LEAST_PATIENCE) * pressure;
     if f32(unseen) < patience {
         return crowd;
     }
-    let away = RECYCLING_CALM + (RECYCLING_PRESSED - RECYCLING_CALM) * squared;
+    let away = RECYCLING_CALM + (RECYCLING_PRESSED - RECYCLING_CALM) * fourth;
     let farther = 1.0 + distance / (distance + RECYCLING_FAR);
     return max(away * farther, crowd);
 }

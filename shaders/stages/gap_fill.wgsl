@@ -1,5 +1,5 @@
-// The least covered texel of each tile, and whether a surfel will be born there. A workgroup has one tile of 16x16
-// texels, or several smaller ones.
+// The least covered texel of each tile, and whether a surfel will be born there; beside small surfels, of each quarter of
+// a tile. A workgroup has one tile of 16x16 texels, or several smaller ones.
 import package::coverage::lookup_coverage;
 import package::grid::grid_cell;
 import package::hash::{hash_hash2, hash_hash3, hash_unit};
@@ -7,8 +7,10 @@ import package::invocation::invocation_group;
 import package::lookup::LOOKUP_DROPPED;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
+import package::surfel::surfel_radius_at;
 import package::upsample::upsample_pixel_of;
-import package::types::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
+import package::vector::vector_dot;
+import package::types::{Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -32,9 +34,12 @@ const HOLE: f32 = 0.5;
 /// Coverage, over that at which spawning stops, below which a texel may have a gap at another pixel.
 const AMPLE: f32 = 2.0;
 
-/// Per tile: coverage over twice the wanted one in bits 16-31, a hash that breaks ties in bits 10-15, which of the texel's pixels
+/// Radius of surfels, over what it would be in the open, beside which a tile's other quarters get one as well.
+const FINE: f32 = 0.5;
+
+/// Per quarter of a tile: coverage over twice the wanted one in bits 16-31, a hash that breaks ties in bits 10-15, which of the texel's pixels
 /// in bits 8-9, the lane in bits 0-7.
-var<workgroup> least: array<atomic<u32>, 64>;
+var<workgroup> least: array<atomic<u32>, 256>;
 
 /// A pixel sees a surfel.
 fn coverage_seen(id: u32) {
@@ -54,9 +59,9 @@ fn pixel(here: vec2<u32>, turn: u32) -> vec2<u32> {
     return upsample_pixel_of(here, settings.stride, frame.number + turn, size);
 }
 
-/// Holds a pixel of a texel against the least covered one of its tile, the `within`th of the workgroup. Whether it is
+/// Holds a pixel of a texel against the least covered one of its quarter of a tile, the `within`th of the workgroup. Whether it is
 /// covered amply.
-fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) -> bool {
+fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, part: u32) -> bool {
     if any(here * settings.stride >= vec2<u32>(camera.width, camera.height)) {
         return true;
     }
@@ -76,9 +81,34 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, tile: u32) -> bool {
         }
     }
     let place = (turn << 8u) | lane;
-    let tie = hash_hash3(tile, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
+    let tie = hash_hash3(part, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
     atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 10u) | place);
     return share >= 1.0;
+}
+
+/// Where one of the candidates is, a pixel.
+fn pixel_at(group: vec3<u32>, candidate: u32) -> u32 {
+    let at = pixel(texel(group, candidate & 0xffu), (candidate >> 8u) & 3u);
+    return at.y * camera.width + at.x;
+}
+
+fn share_of(candidate: u32) -> f32 {
+    return f32(candidate >> 16u) * (AMPLE / 65534.0);
+}
+
+/// Whether a surfel within reach of a point, as far as it would be in the open, is smaller than that by `FINE`.
+fn is_fine(point: vec3<f32>) -> bool {
+    let open = surfel_radius_at(point, F32_MAX, camera, grid, settings);
+    let at = grid_cell(point, grid);
+    let cell = cells[at];
+    for (var i = 0u; i < min(cell.y, settings.lookup); i++) {
+        let pose = poses[entries[cell.x + i]];
+        let d = pose.position - point;
+        if pose.radius < FINE * open && vector_dot(d, d) < open * open {
+            return true;
+        }
+    }
+    return false;
 }
 
 @compute @workgroup_size(16, 16)
@@ -87,14 +117,12 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    // As many as there is room for: one, four, sixteen or sixty-four.
-    let tiles = arrayLength(&candidates) / (groups.x * groups.y);
-    let across = select(select(select(1u, 2u, tiles >= 4u), 4u, tiles >= 16u), 8u, tiles >= 64u);
+    // As many quarters of tiles as there is room for: two, four, eight or sixteen along each side.
+    let parts = arrayLength(&candidates) / (groups.x * groups.y);
+    let across = select(select(select(2u, 4u, parts >= 16u), 8u, parts >= 64u), 16u, parts >= 256u);
     let side = GROUP / across;
     let first = invocation_group(group, groups) * across * across;
-    if lane < 64u {
-        atomicStore(&least[lane], NONE);
-    }
+    atomicStore(&least[lane], NONE);
     workgroupBarrier();
     let here = texel(group, lane);
     let within = lane / GROUP / side * across + lane % GROUP / side;
@@ -107,17 +135,20 @@ fn main(
     if lane >= across * across {
         return;
     }
-    let tile = first + lane;
-    let found = atomicLoad(&least[lane]);
-    var candidate = NONE;
-    if found != NONE {
-        let share = f32(found >> 16u) * (AMPLE / 65534.0);
-        let random = hash_unit(hash_hash3(frame.number, tile, frame.seed));
-        if random * (1.0 - HOLE) < 1.0 - share {
-            let chosen = pixel(texel(group, found & 0xffu), (found >> 8u) & 3u);
-            candidate = chosen.y * camera.width + chosen.x;
+    let corner = (lane / across & ~1u) * across + (lane % across & ~1u);
+    let above = min(atomicLoad(&least[corner]), atomicLoad(&least[corner + 1u]));
+    let below = min(atomicLoad(&least[corner + across]), atomicLoad(&least[corner + across + 1u]));
+    let chosen = min(above, below);
+    let own = atomicLoad(&least[lane]);
+    var is_wanted = false;
+    if own != NONE {
+        if own == chosen {
+            let random = hash_unit(hash_hash3(frame.number, first + corner, frame.seed));
+            is_wanted = random * (1.0 - HOLE) < 1.0 - share_of(own);
+        } else if share_of(own) < HOLE {
+            is_wanted = is_fine(points[pixel_at(group, chosen)].position);
         }
     }
-    candidates[tile] = candidate;
-    flags[tile] = select(0u, 1u, candidate != NONE);
+    candidates[first + lane] = select(NONE, pixel_at(group, own), is_wanted);
+    flags[first + lane] = select(0u, 1u, is_wanted);
 }

@@ -16,7 +16,7 @@ pub const LOST: u32 = u32::MAX;
 pub const CALM: f32 = 1.0 / 1200.0;
 
 /// Chance per frame of an unseen surfel when all slots are in use.
-pub const PRESSED: f32 = 1.0 / 12.0;
+pub const PRESSED: f32 = 1.0 / 4.0;
 
 /// Distance, over the half size of the grid's centre cube, at which an unseen surfel goes twice as soon as one close by.
 pub const FAR: f32 = 32.0;
@@ -47,12 +47,13 @@ pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
     }
     let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);
     let squared = pressure * pressure;
+    let fourth = squared * squared;
     let crowd = ((others - CROWDED) / CROWDED).clamp(0.0, 1.0) * THINNING;
     let patience = PATIENCE as f32 - (PATIENCE - LEAST_PATIENCE) as f32 * pressure;
     if (unseen as f32) < patience {
         return crowd;
     }
-    let away = CALM + (PRESSED - CALM) * squared;
+    let away = CALM + (PRESSED - CALM) * fourth;
     let farther = 1.0 + distance / (distance + FAR);
     (away * farther).max(crowd)
 }

@@ -1,4 +1,5 @@
-//! `spawn/gap_fill`: the least covered texel of each 16x16 tile (S2).
+//! `spawn/gap_fill`: the least covered texel of each tile (S2).
+use super::positional_update::radius_at;
 use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
@@ -10,7 +11,8 @@ use glam::UVec2;
 
 stage! {
     /// Finds the texel with the least surfel coverage in each tile; ties are broken by a hash. Where that coverage
-    /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene").
+    /// passes a randomized threshold, the texel is where a surfel will be born (GIBS, "Surfelization of the Scene"). Beside
+    /// surfels that walls keep small, every quarter of the tile that has a hole gets one.
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
     /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
     /// its pixels stands for it, another each frame; but where that is not amply covered all of them are looked at, so that
@@ -51,7 +53,12 @@ pub const HOLE: f32 = 0.5;
 /// here to a hole within a quarter of a radius.
 pub const AMPLE: f32 = 2.0;
 
-const MOST_TILES: usize = (GROUP / LEAST_TILE).pow(2) as usize;
+/// Radius of surfels, over what it would be in the open, beside which a tile's other quarters get one as well: one alone would
+/// not fill them.
+pub const FINE: f32 = 0.5;
+
+/// Quarters of the tiles in a workgroup, at most.
+const MOST_PARTS: usize = (2 * GROUP / LEAST_TILE).pow(2) as usize;
 
 const SIDE: usize = GROUP as usize;
 
@@ -94,13 +101,13 @@ fn fill(
     };
     let (stride, number) = (p.settings.stride, p.frame.number);
     let size = UVec2::new(p.camera.width, p.camera.height);
-    // As many as there is room for: one, four, sixteen or sixty-four.
+    // As many quarters of tiles as there is room for: two, four, eight or sixteen along each side.
     let across = (p.candidates.len() as u32 / (group.count[0] * group.count[1])).isqrt();
-    let tile = GROUP / across;
+    let side = GROUP / across;
     let first = group.linear() * across * across;
-    let mut least = [NONE; MOST_TILES];
+    let mut least = [NONE; MOST_PARTS];
     let frame = hash::hash2(number, p.frame.seed);
-    let within = |lane: u32| lane / GROUP / tile * across + lane % GROUP / tile;
+    let within = |lane: u32| lane / GROUP / side * across + lane % GROUP / side;
     let texel = |lane: u32| {
         UVec2::new(group.id[0], group.id[1]) * GROUP + UVec2::new(lane % GROUP, lane / GROUP)
     };
@@ -118,7 +125,7 @@ fn fill(
         surface::is_surface(point).then_some(point)
     };
     // Looks at a pixel of each wanted texel of a row, and wants no more of those that are covered amply.
-    let look = |least: &mut [u32; MOST_TILES], row: u32, turn: u32, wanted: &mut [bool; SIDE]| {
+    let look = |least: &mut [u32; MOST_PARTS], row: u32, turn: u32, wanted: &mut [bool; SIDE]| {
         let lane = |column: usize| row * GROUP + column as u32;
         let point = |column: usize| seen(lane(column), turn).filter(|_| wanted[column]);
         let points: [_; SIDE] = std::array::from_fn(point);
@@ -145,17 +152,40 @@ fn fill(
             look(&mut least, row, turn, &mut wanted.clone());
         }
     }
-    for (tile, &least) in (first..).zip(&least[..(across * across) as usize]) {
-        let mut candidate = NONE;
-        if least != NONE {
-            let share = (least >> 16) as f32 * (AMPLE / 65_534.0);
-            let random = hash::unit(hash::hash3(p.frame.number, tile, p.frame.seed));
-            if random * (1.0 - HOLE) < 1.0 - share {
-                let at = pixel(least & 0xff, (least >> 8) & 3);
-                candidate = at.y * size.x + at.x;
-            }
-        }
-        p.candidates.set(tile as usize, candidate);
-        p.flags.set(tile as usize, u32::from(candidate != NONE));
+    // Where one of the candidates is, a pixel.
+    let at = |candidate: u32| {
+        let at = pixel(candidate & 0xff, (candidate >> 8) & 3);
+        at.y * size.x + at.x
+    };
+    let share = |candidate: u32| (candidate >> 16) as f32 * (AMPLE / 65_534.0);
+    for part in 0..across * across {
+        let (x, y) = (part % across & !1, part / across & !1);
+        let corner = y * across + x;
+        let quarters = [corner, corner + 1, corner + across, corner + across + 1];
+        let chosen = quarters.map(|part| least[part as usize]).into_iter().min();
+        let (chosen, own) = (chosen.unwrap_or(NONE), least[part as usize]);
+        let is_wanted = if own == NONE {
+            false
+        } else if own == chosen {
+            let random = hash::unit(hash::hash3(number, first + corner, p.frame.seed));
+            random * (1.0 - HOLE) < 1.0 - share(own)
+        } else {
+            share(own) < HOLE && is_fine(p, &surfels, &p.points[at(chosen) as usize])
+        };
+        let part = (first + part) as usize;
+        p.candidates
+            .set(part, if is_wanted { at(own) } else { NONE });
+        p.flags.set(part, u32::from(is_wanted));
     }
+}
+
+/// Whether a surfel within reach of a point, as far as it would be in the open, is smaller than that by [`FINE`].
+fn is_fine(p: &Views<'_>, surfels: &Surfels<'_>, point: &SurfacePoint) -> bool {
+    let open = radius_at(point.position, f32::MAX, p.camera, p.grid, p.settings);
+    let list = surfels.around(point.position);
+    list.ids.iter().any(|&id| {
+        let pose = &p.poses[id as usize];
+        let d = pose.position - point.position;
+        pose.radius < FINE * open && d.dot(d) < open * open
+    })
 }

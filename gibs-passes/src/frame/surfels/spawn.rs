@@ -22,10 +22,10 @@ pub(super) fn spawn_surfels(
     let groups = frame
         .size
         .map(|side| side.div_ceil(gap_fill::GROUP * frame.settings.stride()));
-    let per_group = (gap_fill::GROUP / frame.settings.tile_in(frame.size)).pow(2);
-    let tiles = u64::from(groups[0]) * u64::from(groups[1]) * u64::from(per_group);
-    let candidates = g.transient("spawn_candidates", tiles);
-    let flags = g.transient("spawn_flags", tiles);
+    let per_group = (2 * gap_fill::GROUP / frame.settings.tile_in(frame.size)).pow(2);
+    let quarters = u64::from(groups[0]) * u64::from(groups[1]) * u64::from(per_group);
+    let candidates = g.transient("spawn_candidates", quarters);
+    let flags = g.transient("spawn_flags", quarters);
     let found = g.add::<gap_fill::GapFill>(
         "spawn/gap_fill",
         gap_fill::Inputs {
