@@ -23,8 +23,14 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    // Most cells list no surfel.
+    let of_none = estimator::to_forget(&Drift::default(), &p.total[0]);
     for i in group.range(p.cells.len() as u32) {
         let cell = p.cells[i];
+        if cell.y == 0 {
+            p.forget.set(i, of_none);
+            continue;
+        }
         let mut drift = Drift::default();
         for entry in cell.x..cell.x + cell.y.min(DRIFT_OF) {
             drift = drift.with(&p.irradiance[p.entries[entry as usize] as usize]);
