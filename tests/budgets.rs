@@ -267,7 +267,7 @@ fn a_view_of_the_sky_alone_needs_no_surfel() {
 fn a_cut_every_frame_leaves_everything_sound() {
     let (scene, view) = builtin::by_name("atrium").expect("built in");
     let settings = Settings {
-        surfels: 100,
+        surfels: 50,
         grid_lists: 2,
         check_slots: true,
         ..settings(500)
@@ -295,7 +295,7 @@ fn a_cut_every_frame_leaves_everything_sound() {
             let counters = renderer.counters().expect("reads");
             let place = format!("{}: frame {frame}: {counters:?}", backend.name());
             assert_eq!(counters.slot_errors, Some(0), "{place}");
-            assert!(counters.live <= 100 && counters.rays <= 500, "{place}");
+            assert!(counters.live <= 50 && counters.rays <= 500, "{place}");
             assert_eq!(counters.live, counters.born - counters.recycled, "{place}");
             most = most.max(counters.live);
             overflow += u64::from(counters.overflow);

@@ -3,6 +3,7 @@ mod common;
 
 use common::{all_backends, render, settings};
 use gibs::builtin;
+use gibs::passes::frame::Settings;
 use gibs_backend_cpu::{CpuBackend, Options};
 
 #[test]
@@ -57,4 +58,19 @@ fn threads_and_order_do_not_show() {
         }),
         "the order of workgroups shows"
     );
+}
+
+/// Sorted rays are the same rays, and what they bring goes to the same surfels.
+#[test]
+fn sorting_changes_no_bit() {
+    let scene = builtin::by_name("window-room").expect("built in");
+    let backend = common::cpu();
+    let [sorted, unsorted] = [true, false].map(|sorting| {
+        let settings = Settings {
+            sorting,
+            ..settings(4_000)
+        };
+        render(backend.as_ref(), &scene, [48, 27], 6, &settings, 3)
+    });
+    assert!(sorted == unsorted);
 }

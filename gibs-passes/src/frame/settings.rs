@@ -78,7 +78,7 @@ impl Default for Settings {
             guiding: false,
             emitters: true,
             sharing: true,
-            sorting: true,
+            sorting: false,
             lights: 4,
             continuations: 8,
             hit_births: 0,
