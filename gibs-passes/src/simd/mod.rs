@@ -1,6 +1,8 @@
 //! CPU kernels for processors with wider registers than the compiler may assume. Each is the twin of a scalar function
 //! and gives its results to the bit; which one runs is decided when the program runs.
 #[cfg(target_arch = "x86_64")]
+mod directions;
+#[cfg(target_arch = "x86_64")]
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lookup;
