@@ -11,17 +11,32 @@ mod lookup_scalar;
 #[cfg(target_arch = "x86_64")]
 mod resolve;
 #[cfg(target_arch = "x86_64")]
+mod sample_lights;
+#[cfg(target_arch = "x86_64")]
+mod select_pixels;
+#[cfg(target_arch = "x86_64")]
+mod update_depth;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 #[cfg(test)]
 mod tests;
 
 #[cfg(not(target_arch = "x86_64"))]
-pub use {crate::stages::resolve_hits::resolve_each as resolve_hits, lookup_scalar::Lookup};
+pub use {
+    crate::stages::{
+        resolve_hits::resolve_each as resolve_hits, sample_lights::sample_each as sample_lights,
+        select_pixels::select_each as select_pixels, update_depth::update_each as update_depth,
+    },
+    lookup_scalar::Lookup,
+};
 #[cfg(target_arch = "x86_64")]
 pub use {
     lookup::Lookup,
     resolve::resolve_hits,
+    sample_lights::sample_lights,
+    select_pixels::select_pixels,
+    update_depth::update_depth,
     x86::{Avx2, prefetch},
 };
 
