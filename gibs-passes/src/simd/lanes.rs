@@ -113,6 +113,28 @@ pub fn sum(a: &Lanes3, b: &Lanes3) -> Lanes3 {
     ]
 }
 
+/// Each vector less another.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn difference(a: &Lanes3, b: &Lanes3) -> Lanes3 {
+    [
+        _mm256_sub_ps(a[0], b[0]),
+        _mm256_sub_ps(a[1], b[1]),
+        _mm256_sub_ps(a[2], b[2]),
+    ]
+}
+
+/// Each vector over a number.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn divided(v: &Lanes3, k: __m256) -> Lanes3 {
+    [
+        _mm256_div_ps(v[0], k),
+        _mm256_div_ps(v[1], k),
+        _mm256_div_ps(v[2], k),
+    ]
+}
+
 /// Each vector with the magnitudes of its coordinates.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -208,10 +230,36 @@ pub fn store_columns<const FIRST: usize, T: Pod>(elements: &mut [T; 8], columns:
     }
 }
 
+/// Elements of eight words, from their columns: each is written at once, so that it may be read at once soon after.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn store_rows<T: Pod>(elements: &mut [T; 8], low: &[__m256; 4], high: &[__m256; 4]) {
+    const { assert!(size_of::<T>() == 8 * size_of::<f32>()) };
+    let start = elements.as_mut_ptr();
+    let store = |lane: usize, row: __m256| {
+        // SAFETY: the lane is one of the eight, its element is eight words, as asserted, any bits are valid in plain data,
+        // and the store needs no alignment.
+        unsafe { _mm256_storeu_ps(start.add(lane & 7).cast(), row) };
+    };
+    let halves = transposed(low).into_iter().zip(transposed(high));
+    for (lane, (low, high)) in halves.enumerate() {
+        store(lane, _mm256_permute2f128_ps::<0x20>(low, high));
+        store(lane + 4, _mm256_permute2f128_ps::<0x31>(low, high));
+    }
+}
+
 /// Inverse of [`stored`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 pub fn loaded(lanes: &[f32; 8]) -> __m256 {
     // SAFETY: the load reads the eight floats of the array and needs no alignment.
     unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
+}
+
+/// Inverse of [`stored_words`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn loaded_words(lanes: &[u32; 8]) -> __m256i {
+    // SAFETY: the load reads the eight words of the array and needs no alignment.
+    unsafe { _mm256_loadu_si256(lanes.as_ptr().cast()) }
 }

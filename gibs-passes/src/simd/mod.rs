@@ -1,6 +1,8 @@
 //! CPU kernels for processors with wider registers than the compiler may assume. Each is the twin of a scalar function
 //! and gives its results to the bit; which one runs is decided when the program runs.
 #[cfg(target_arch = "x86_64")]
+mod directions;
+#[cfg(target_arch = "x86_64")]
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lookup;
@@ -9,17 +11,32 @@ mod lookup_scalar;
 #[cfg(target_arch = "x86_64")]
 mod resolve;
 #[cfg(target_arch = "x86_64")]
+mod sample_lights;
+#[cfg(target_arch = "x86_64")]
+mod select_pixels;
+#[cfg(target_arch = "x86_64")]
+mod update_depth;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 #[cfg(test)]
 mod tests;
 
 #[cfg(not(target_arch = "x86_64"))]
-pub use {crate::stages::resolve_hits::resolve_each as resolve_hits, lookup_scalar::Lookup};
+pub use {
+    crate::stages::{
+        resolve_hits::resolve_each as resolve_hits, sample_lights::sample_each as sample_lights,
+        select_pixels::select_each as select_pixels, update_depth::update_each as update_depth,
+    },
+    lookup_scalar::Lookup,
+};
 #[cfg(target_arch = "x86_64")]
 pub use {
     lookup::Lookup,
     resolve::resolve_hits,
+    sample_lights::sample_lights,
+    select_pixels::select_pixels,
+    update_depth::update_depth,
     x86::{Avx2, prefetch},
 };
 

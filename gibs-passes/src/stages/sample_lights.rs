@@ -4,6 +4,7 @@ use crate::shared::{hash, octahedral, sampling, surface};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::Vec3;
+use std::ops::Range;
 
 stage! {
     /// Chooses `lights_per_point` lights for each point: all of them where that many suffice, else one at random from
@@ -52,18 +53,34 @@ pub fn unshadowed(light: &Light, position: Vec3, n: Vec3) -> (Vec3, Vec3, f32) {
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    let (range, set) = (group.range(p.batch.count), setter(p));
+    simd::sample_lights(p.frame, &p.points, &p.lights, range, set);
 }
 
-#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let frame = p.frame;
+    let (range, set) = (group.range(p.batch.count), setter(p));
+    sample_each(p.frame, &p.points, &p.lights, range, set);
+}
+
+fn setter(p: &Views<'_>) -> impl FnMut(usize, Ray, LightSample) {
+    move |i, ray, sample| {
+        p.rays.set(i, ray);
+        p.samples.set(i, sample);
+    }
+}
+
+/// Calls `set` with each index of a range, the shadow ray of this point and choice, and what it brings unshadowed.
+#[inline]
+pub fn sample_each(
+    frame: &Frame,
+    points: &[SurfacePoint],
+    lights: &[Light],
+    range: Range<usize>,
+    mut set: impl FnMut(usize, Ray, LightSample),
+) {
     let each = frame.lights_per_point.max(1);
-    for i in group.range(p.batch.count) {
-        let point = &p.points[i / each as usize];
+    for i in range {
+        let point = &points[i / each as usize];
         let choice = i as u32 % each;
         let mut ray = Ray {
             origin: Vec3::ZERO,
@@ -93,8 +110,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 )
             };
             let n = octahedral::unpack(point.shading_normal);
-            let (unshadowed, to, distance) =
-                unshadowed(&p.lights[index as usize], point.position, n);
+            let (unshadowed, to, distance) = unshadowed(&lights[index as usize], point.position, n);
             if unshadowed.max_element() > 0.0 {
                 let geometric = octahedral::unpack(point.geometric_normal);
                 let origin = sampling::start(point.position, geometric, point.offset, to);
@@ -107,7 +123,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 irradiance = unshadowed * weight;
             }
         }
-        p.rays.set(i, ray);
-        p.samples.set(i, LightSample { irradiance, pad: 0 });
+        set(i, ray, LightSample { irradiance, pad: 0 });
     }
 }

@@ -4,6 +4,7 @@ use crate::shared::{octahedral, surface, upsample};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
+use std::ops::Range;
 
 stage! {
     /// Selects the pixels with even coordinates, a quarter of them, and those at edges: where one of the two or four
@@ -22,37 +23,48 @@ stage! {
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    let range = group.range(p.points.len() as u32);
+    let set = |i, selected| p.selected.set(i, u32::from(selected));
+    simd::select_pixels(p.camera, &p.points, range, set);
 }
 
-#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let size = UVec2::new(p.camera.width, p.camera.height);
-    for i in group.range(p.points.len() as u32) {
+    let range = group.range(p.points.len() as u32);
+    let set = |i, selected| p.selected.set(i, u32::from(selected));
+    select_each(p.camera, &p.points, range, set);
+}
+
+/// Calls `set` with each index of a range, and whether the surfels light this pixel.
+#[inline]
+pub fn select_each(
+    camera: &Camera,
+    points: &[SurfacePoint],
+    range: Range<usize>,
+    mut set: impl FnMut(usize, bool),
+) {
+    let size = UVec2::new(camera.width, camera.height);
+    for i in range {
         // There is no picture yet in a frame that nobody described.
         let selected = (i as u32) < size.x * size.y
-            && surface::is_surface(&p.points[i])
-            && !between(p, i, size);
-        p.selected.set(i, u32::from(selected));
+            && surface::is_surface(&points[i])
+            && !between(camera, points, i, size);
+        set(i, selected);
     }
 }
 
 /// The pixel lies between selected ones that see its surface.
-#[inline(always)]
-fn between(p: &Views<'_>, i: usize, size: UVec2) -> bool {
+#[inline]
+fn between(camera: &Camera, points: &[SurfacePoint], i: usize, size: UVec2) -> bool {
     let (low, high) = upsample::around(UVec2::new(i as u32 % size.x, i as u32 / size.x));
     if low == high || high.x >= size.x || high.y >= size.y {
         return false;
     }
-    let here = &p.points[i];
-    let tolerance = upsample::tolerance(here, p.camera);
+    let here = &points[i];
+    let tolerance = upsample::tolerance(here, camera);
     let geometric = octahedral::unpack(here.geometric_normal);
     let shading = octahedral::unpack(here.shading_normal);
     let sees = |x: u32, y: u32| {
-        let there = &p.points[(y * size.x + x) as usize];
+        let there = &points[(y * size.x + x) as usize];
         upsample::continuous(here, (geometric, shading), there, tolerance)
     };
     sees(low.x, low.y)

@@ -5,6 +5,7 @@ use crate::shared::{octahedral, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 stage! {
     /// Feeds each ray's distance to the depth function of its surfel (GIBS, "Radial Gaussian Depth"): those that go
@@ -49,38 +50,82 @@ pub fn learn(texel: u32, t: f32, blend: f32) -> u32 {
     pack_moments(old + (new - old) * blend)
 }
 
-fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+/// What surfels learn distances from.
+#[derive(Clone, Copy, Debug)]
+pub struct Distances<'a> {
+    /// Surfels.
+    pub poses: &'a [SurfelPose],
+    /// How many rays each has drawn before.
+    pub irradiance: &'a [SurfelIrradiance],
+    /// First ray of each surfel, and the end of the last one's.
+    pub offsets: &'a [u32],
+    /// Rays.
+    pub rays: &'a [Ray],
+    /// Their hits.
+    pub hits: &'a [Hit],
+    /// Of each ray the place of its hit; empty where that is its own.
+    pub places: &'a [u32],
+    /// Least share of a new distance.
+    pub least: f32,
 }
 
-#[inline(always)]
+impl<'a> Distances<'a> {
+    fn of(p: &Views<'a>) -> Self {
+        Self {
+            poses: p.poses.slice(),
+            irradiance: p.irradiance.slice(),
+            offsets: p.offsets.slice(),
+            rays: p.rays.slice(),
+            hits: p.hits.slice(),
+            places: p.places.slice(),
+            least: p.settings.depth_blend,
+        }
+    }
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let range = group.range(p.poses.len() as u32);
+    let (get, set) = (|i| p.depths.get(i), |i, depth| p.depths.set(i, depth));
+    simd::update_depth(&Distances::of(p), range, get, set);
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.poses.len() as u32) {
-        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
+    let range = group.range(p.poses.len() as u32);
+    let (get, set) = (|i| p.depths.get(i), |i, depth| p.depths.set(i, depth));
+    update_each(&Distances::of(p), range, get, set);
+}
+
+/// Feeds the distances of a range of surfels to their depth functions, which `get` and `set` read and replace.
+#[inline]
+pub fn update_each(
+    d: &Distances<'_>,
+    range: Range<usize>,
+    get: impl Fn(usize) -> SurfelDepth,
+    mut set: impl FnMut(usize, SurfelDepth),
+) {
+    for i in range {
+        let (first, last) = (d.offsets[i] as usize, d.offsets[i + 1] as usize);
         if first == last {
             continue;
         }
-        let pose = &p.poses[i];
-        let before = p.irradiance[i].drawn;
-        let mut depth = p.depths.get(i);
+        let pose = &d.poses[i];
+        let before = d.irradiance[i].drawn;
+        let mut depth = get(i);
         for ray in first..last {
             // One that could not reach the emitter it was drawn for went nowhere.
-            if p.rays[ray].t_max <= 0.0 {
+            if d.rays[ray].t_max <= 0.0 {
                 continue;
             }
-            let local = sampling::to_local(p.rays[ray].direction, pose.normal);
+            let local = sampling::to_local(d.rays[ray].direction, pose.normal);
             let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
             let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
             let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
-            let hit = p.places.get(ray).map_or(ray, |&place| place as usize);
-            let t = (p.hits[hit].t / (2.0 * pose.radius)).min(FARTHEST);
-            let blend = depth_blend(before + (ray - first) as u32, p.settings.depth_blend);
+            let hit = d.places.get(ray).map_or(ray, |&place| place as usize);
+            let t = (d.hits[hit].t / (2.0 * pose.radius)).min(FARTHEST);
+            let blend = depth_blend(before + (ray - first) as u32, d.least);
             depth.texels[texel] = learn(depth.texels[texel], t, blend);
         }
-        p.depths.set(i, depth);
+        set(i, depth);
     }
 }
 

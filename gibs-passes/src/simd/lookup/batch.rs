@@ -1,11 +1,13 @@
 //! What lookups at several points visit.
-#![allow(unsafe_code)]
+use std::arch::x86_64::*;
+
+use super::super::directions::unpack;
+use super::super::lanes::{columns, store_rows};
 use super::super::prefetch;
 use super::cells::Cells;
-use super::poses::Poses;
-use crate::data::SurfelPose;
+use crate::data::{SurfacePoint, SurfelPose};
 use crate::shared::lookup::{AT_A_TIME, List, Points, Surfels};
-use crate::shared::octahedral;
+use crate::shared::surface;
 
 /// Entries of a list in a line of the cache.
 const PER_LINE: usize = 16;
@@ -30,18 +32,18 @@ impl<'a> Batch<'a> {
             points: [SurfelPose::default(); AT_A_TIME],
             lists: [List::default(); AT_A_TIME],
         };
-        for (pose, point) in batch.points.iter_mut().zip(points) {
-            if let Some(point) = point {
-                pose.position = point.position;
-                pose.normal = octahedral::unpack(point.shading_normal);
-            }
-        }
+        let zero = _mm256_setzero_ps();
         let mut cells = [0; AT_A_TIME];
-        for start in (0..AT_A_TIME).step_by(8) {
-            let ids = std::array::from_fn(|i| (start + i) as u32);
-            // SAFETY: this function is compiled for AVX2.
-            let at = unsafe { Poses::load(&batch.points, &ids) };
-            let found = Cells::of(&at.position, s.grid);
+        let (eights, _) = batch.points.as_chunks_mut::<8>();
+        for (poses, start) in eights.iter_mut().zip((0..AT_A_TIME).step_by(8)) {
+            // Where there is no point, any will do: its list stays empty.
+            let eight: [&SurfacePoint; 8] =
+                std::array::from_fn(|i| points[start + i].unwrap_or(&surface::MISS));
+            let [x, y, z, _] = columns::<0, _>(&eight);
+            let [_, shading, _, _] = columns::<4, _>(&eight);
+            let [nx, ny, nz] = unpack(shading);
+            store_rows(poses, &[x, y, z, zero], &[nx, ny, nz, zero]);
+            let found = Cells::of(&[x, y, z], s.grid);
             for lane in 0..8 {
                 cells[start + lane] = found.cell[lane];
                 batch.lists[start + lane].place = found.place[lane];

@@ -8,7 +8,7 @@ mod batch;
 mod bounds;
 mod cells;
 mod pairs;
-mod poses;
+pub mod poses;
 
 use std::arch::x86_64::*;
 

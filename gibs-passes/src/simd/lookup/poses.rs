@@ -2,7 +2,8 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
-use super::super::lanes::{Lanes3, all, dot, negated, positive};
+use super::super::directions::{hemisphere, to_local};
+use super::super::lanes::{Lanes3, all, dot, positive};
 use crate::data::{SurfelDepth, SurfelPose};
 use crate::shared::lookup;
 
@@ -148,29 +149,6 @@ impl Poses {
     }
 }
 
-/// [`crate::shared::sampling::to_local`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
-    let one = _mm256_set1_ps(1.0);
-    let up = _mm256_cmp_ps::<_CMP_GE_OQ>(n[2], _mm256_setzero_ps());
-    let sign = _mm256_blendv_ps(_mm256_set1_ps(-1.0), one, up);
-    let a = _mm256_div_ps(_mm256_set1_ps(-1.0), _mm256_add_ps(sign, n[2]));
-    let b = _mm256_mul_ps(_mm256_mul_ps(n[0], n[1]), a);
-    let signed_x = _mm256_mul_ps(sign, n[0]);
-    let tangent = [
-        _mm256_add_ps(one, _mm256_mul_ps(_mm256_mul_ps(signed_x, n[0]), a)),
-        _mm256_mul_ps(sign, b),
-        negated(signed_x),
-    ];
-    let bitangent = [
-        b,
-        _mm256_add_ps(sign, _mm256_mul_ps(_mm256_mul_ps(n[1], n[1]), a)),
-        negated(n[1]),
-    ];
-    [dot(world, &tangent), dot(world, &bitangent), dot(world, n)]
-}
-
 /// [`lookup::depth_moments`] in a direction that is clamped to the hemisphere first.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -180,20 +158,11 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
         _mm256_set1_ps(0.5),
         _mm256_set1_ps(1.0),
     );
-    let minus = _mm256_set1_ps(-0.0);
     let side = _mm256_set1_ps(lookup::DEPTH_SIDE as f32);
     let last = _mm256_set1_ps(lookup::DEPTH_SIDE as f32 - 1.0);
-    let sum = _mm256_add_ps(
-        _mm256_andnot_ps(minus, local[0]),
-        _mm256_andnot_ps(minus, local[1]),
-    );
-    let sum = _mm256_add_ps(sum, positive(local[2]));
-    let (x, y) = (_mm256_div_ps(local[0], sum), _mm256_div_ps(local[1], sum));
-    let place = |s: __m256| {
-        let unit = _mm256_add_ps(_mm256_mul_ps(s, half), half);
-        _mm256_sub_ps(_mm256_mul_ps(unit, side), half)
-    };
-    let (u, v) = (place(_mm256_add_ps(x, y)), place(_mm256_sub_ps(x, y)));
+    let place = |unit: __m256| _mm256_sub_ps(_mm256_mul_ps(unit, side), half);
+    let [u, v] = hemisphere(&[local[0], local[1], positive(local[2])]);
+    let (u, v) = (place(u), place(v));
     let (u0, v0) = (_mm256_floor_ps(u), _mm256_floor_ps(v));
     let (fu, fv) = (_mm256_sub_ps(u, u0), _mm256_sub_ps(v, v0));
     // The second operand is taken where the first is not a number, as by a conversion to integer.

@@ -1,10 +1,11 @@
 //! Positions and normals at eight hits: the first part of [`crate::stages::resolve_hits::resolve`], operation for
-//! operation, with [`crate::shared::octahedral`].
+//! operation.
 use std::arch::x86_64::*;
 
+use super::super::directions::{normalized, pack, unpack};
 use super::super::lanes::{
-    Lanes3, columns, dot, either, has_any, inverted, is_word, magnitude, magnitudes, positive,
-    scaled, sum, turned,
+    Lanes3, columns, dot, either, has_any, inverted, is_word, magnitude, magnitudes, scaled, sum,
+    turned,
 };
 use crate::data::{Corners, Hit, Instance, NONE, Ray, Triangle};
 use crate::shared::surface;
@@ -137,13 +138,6 @@ fn cross(a: &Lanes3, b: &Lanes3) -> Lanes3 {
     [part(1, 2), part(2, 0), part(0, 1)]
 }
 
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn normalized(v: &Lanes3) -> Lanes3 {
-    let length = _mm256_sqrt_ps(dot(v, v));
-    scaled(v, _mm256_div_ps(_mm256_set1_ps(1.0), length))
-}
-
 /// `f32::max`: the other one where one is not a number.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -151,62 +145,4 @@ fn larger(a: __m256, b: __m256) -> __m256 {
     let unordered = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, a);
     // The instruction gives its second operand where either is not a number.
     _mm256_blendv_ps(_mm256_max_ps(b, a), b, unordered)
-}
-
-/// What an octahedral map makes of the lower half: [`crate::shared::octahedral`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn folded(p: &[__m256; 2], z: __m256) -> [__m256; 2] {
-    let one = _mm256_set1_ps(1.0);
-    let over = |along, across| {
-        let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(along, _mm256_setzero_ps());
-        let sign = _mm256_blendv_ps(_mm256_set1_ps(-1.0), one, positive);
-        _mm256_mul_ps(_mm256_sub_ps(one, magnitude(across)), sign)
-    };
-    let upper = _mm256_cmp_ps::<_CMP_GE_OQ>(z, _mm256_setzero_ps());
-    [
-        _mm256_blendv_ps(over(p[0], p[1]), p[0], upper),
-        _mm256_blendv_ps(over(p[1], p[0]), p[1], upper),
-    ]
-}
-
-/// [`crate::shared::octahedral::pack`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn pack(n: &Lanes3) -> __m256i {
-    let total = _mm256_add_ps(
-        _mm256_add_ps(magnitude(n[0]), magnitude(n[1])),
-        magnitude(n[2]),
-    );
-    let [x, y] = folded(
-        &[_mm256_div_ps(n[0], total), _mm256_div_ps(n[1], total)],
-        n[2],
-    );
-    let half = _mm256_set1_ps(0.5);
-    let word = |c| {
-        let unit = _mm256_add_ps(_mm256_mul_ps(c, half), half);
-        let steps = _mm256_add_ps(_mm256_mul_ps(unit, _mm256_set1_ps(65_535.0)), half);
-        // Not below zero, so that truncation rounds down; zero for what is not a number.
-        _mm256_cvttps_epi32(positive(steps))
-    };
-    _mm256_or_si256(word(x), _mm256_slli_epi32::<16>(word(y)))
-}
-
-/// [`crate::shared::octahedral::unpack`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn unpack(bits: __m256) -> Lanes3 {
-    let bits = _mm256_castps_si256(bits);
-    let (one, two) = (_mm256_set1_ps(1.0), _mm256_set1_ps(2.0));
-    let signed = |word| {
-        let unit = _mm256_div_ps(_mm256_cvtepi32_ps(word), _mm256_set1_ps(65_535.0));
-        _mm256_sub_ps(_mm256_mul_ps(unit, two), one)
-    };
-    let p = [
-        signed(_mm256_and_si256(bits, _mm256_set1_epi32(0xffff))),
-        signed(_mm256_srli_epi32::<16>(bits)),
-    ];
-    let z = _mm256_sub_ps(_mm256_sub_ps(one, magnitude(p[0])), magnitude(p[1]));
-    let [x, y] = folded(&p, z);
-    normalized(&[x, y, z])
 }
