@@ -159,7 +159,7 @@ fn fill(
     };
     let share = |candidate: u32| (candidate >> 16) as f32 * (AMPLE / 65_534.0);
     for part in 0..across * across {
-        let (x, y) = (part % across & !1, part / across & !1);
+        let (x, y) = ((part % across) & !1, (part / across) & !1);
         let corner = y * across + x;
         let quarters = [corner, corner + 1, corner + across, corner + across + 1];
         let chosen = quarters.map(|part| least[part as usize]).into_iter().min();

@@ -93,7 +93,7 @@ fn sample_wide(
         let some = _mm256_or_ps(_mm256_or_ps(shines(r), shines(g)), shines(b));
         let lit = _mm256_and_ps(_mm256_and_ps(surface, chosen), some);
         let or_zero = |c| _mm256_and_ps(c, lit);
-        let [x, y, z] = start(&position, &unpack(geometric), offset, &to).map(|c| or_zero(c));
+        let [x, y, z] = start(&position, &unpack(geometric), offset, &to).map(or_zero);
         let up = _mm256_blendv_ps(_mm256_set1_ps(1.0), to[2], lit);
         let t_max = or_zero(_mm256_mul_ps(distance, _mm256_set1_ps(REACH)));
         store_rows(
@@ -101,7 +101,7 @@ fn sample_wide(
             &[x, y, z, zero],
             &[or_zero(to[0]), or_zero(to[1]), up, t_max],
         );
-        let [r, g, b] = scaled(&irradiance, _mm256_set1_ps(weight)).map(|c| or_zero(c));
+        let [r, g, b] = scaled(&irradiance, _mm256_set1_ps(weight)).map(or_zero);
         store_columns::<0, _>(&mut samples, &[r, g, b, zero]);
         let pairs = rays.iter().zip(&samples);
         for (i, (&ray, &sample)) in (first..range.end).zip(pairs) {
