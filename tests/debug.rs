@@ -7,7 +7,7 @@ use gibs::passes::data::{
     DebugPixel, GridShape, SurfacePoint, SurfelDepth, SurfelGuide, SurfelIrradiance, SurfelPose,
 };
 use gibs::passes::frame::{DebugScale, DebugView, Settings};
-use gibs::passes::shared::{grid, guide, lookup, octahedral, sampling, surface};
+use gibs::passes::shared::{depth, grid, guide, lookup, octahedral, sampling, surface};
 use gibs::picture::{OUTSIDE_COLOR, cool_warm, inferno};
 use gibs::{DebugPicture, RenderError, Renderer, builtin};
 use glam::{UVec2, Vec3, Vec4};
@@ -361,7 +361,7 @@ fn depth_functions_are_looked_up_towards_the_pixel() {
             false => d.normalize(),
         };
         let local = sampling::to_local(toward, pose.normal).max(Vec3::new(-1.0, -1.0, 0.0));
-        let expected = lookup::depth_moments(&depths[slot as usize], local).x;
+        let expected = depth::depth_moments(&depths[slot as usize], local).x;
         assert!((value - expected).abs() < 1e-5, "{value} for {expected}");
         nearer += usize::from(value < 0.7);
     }

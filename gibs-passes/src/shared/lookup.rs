@@ -1,17 +1,10 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
-use super::octahedral::{self, hemisphere_encode};
-use super::sampling::to_local;
-use super::surface;
-use super::{bounds, grid};
-use crate::data::{
-    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
-};
-use crate::simd;
-use glam::{UVec2, Vec2, Vec3};
-
-/// Texels along each side of a depth function.
-pub const DEPTH_SIDE: u32 = 4;
+use super::depth::visibility;
+use super::lists::{List, Surfels};
+use super::{octahedral, surface};
+use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose};
+use glam::Vec3;
 
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 pub const SQUASH: f32 = 4.0;
@@ -19,9 +12,6 @@ pub const SQUASH: f32 = 4.0;
 /// Weight of a surfel at its own centre: a point is covered (weight 1) by one surfel up to 0.71 of its radius. With 2, up to
 /// 0.54, a quarter more surfels make the same error.
 pub const PEAK: f32 = 4.0;
-
-/// Beginning and length of a list that did not fit.
-pub const DROPPED: UVec2 = UVec2::new(u32::MAX, 0);
 
 /// Surfels of less weight do not count for anything: their product with dim light would underflow, so that scaling all light
 /// would not scale it exactly.
@@ -50,107 +40,6 @@ pub fn trust(age: u32) -> f32 {
     ((age as f32 + 1.0) / TRUSTED_AFTER).min(1.0)
 }
 
-/// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
-pub const LEAST_VARIANCE: f32 = 1e-4;
-
-/// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
-pub const CHEBYSHEV_FLOOR: f32 = 0.6;
-
-/// One step of a moment.
-pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
-
-/// The farthest distance that a ray teaches, in diameters: one step below one, so that a texel that has learned from a ray
-/// differs from [`UNKNOWN`].
-pub const FARTHEST: f32 = 65_534.0 / 65_535.0;
-
-/// A texel that no ray has reached: both moments one, so that it hides nothing.
-pub const UNKNOWN: u32 = u32::MAX;
-
-/// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
-#[inline]
-fn steps(texel: u32) -> Vec2 {
-    Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32)
-}
-
-/// The first and second moment in a texel.
-#[inline]
-pub fn moments(texel: u32) -> Vec2 {
-    steps(texel) * MOMENT_SCALE
-}
-
-/// Moments in a texel, each in `[0, 1]`.
-#[inline]
-pub fn pack_moments(m: Vec2) -> u32 {
-    surface::unorm16(m.x) | (surface::unorm16(m.y) << 16)
-}
-
-/// A depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing is
-/// known beyond the diameter of before, and what was open to there counts as hidden beyond until rays tell.
-#[inline]
-pub fn rescaled(depth: &SurfelDepth, shrinks: f32) -> SurfelDepth {
-    let squared = shrinks * shrinks;
-    SurfelDepth {
-        texels: depth.texels.map(|texel| {
-            if texel == UNKNOWN {
-                return UNKNOWN;
-            }
-            let m = moments(texel);
-            pack_moments(Vec2::new(
-                (m.x * shrinks).min(FARTHEST),
-                (m.y * squared).min(FARTHEST),
-            ))
-        }),
-    }
-}
-
-/// Moments of the depth function in a direction of the surfel's frame, bilinear.
-#[inline]
-pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
-    let side = DEPTH_SIDE as f32;
-    let uv = hemisphere_encode(local) * side - 0.5;
-    let low = uv.floor();
-    let f = uv - low;
-    let at = |dx: f32, dy: f32| {
-        let x = (low.x + dx).clamp(0.0, side - 1.0) as usize;
-        let y = (low.y + dy).clamp(0.0, side - 1.0) as usize;
-        steps(depth.texels[y * DEPTH_SIDE as usize + x])
-    };
-    let top = at(0.0, 0.0) * (1.0 - f.x) + at(1.0, 0.0) * f.x;
-    let bottom = at(0.0, 1.0) * (1.0 - f.x) + at(1.0, 1.0) * f.x;
-    (top * (1.0 - f.y) + bottom * f.y) * MOMENT_SCALE
-}
-
-/// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
-/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006), cubed because it is only an upper
-/// bound (as Majercik et al. 2019 do).
-#[inline]
-pub fn chebyshev(m: Vec2, t: f32) -> f32 {
-    if t <= m.x {
-        return 1.0;
-    }
-    let variance = (m.y - m.x * m.x).max(LEAST_VARIANCE);
-    let d = t - m.x;
-    let bound = variance / (variance + d * d);
-    let tight = ((bound - CHEBYSHEV_FLOOR) / (1.0 - CHEBYSHEV_FLOOR)).max(0.0);
-    tight * tight * tight
-}
-
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
-#[inline]
-pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
-    let distance = d.length();
-    // Nothing fits between a surfel's centre and a point this close.
-    if distance < 0.02 * pose.radius {
-        return 1.0;
-    }
-    let local = to_local(d / distance, pose.normal);
-    let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
-    chebyshev(
-        depth_moments(depth, clamped),
-        distance / (2.0 * pose.radius),
-    )
-}
-
 /// Distance factor: [`PEAK`] at the centre, 0 at the radius, smooth at both.
 #[inline]
 pub fn falloff(d: Vec3, pose: &SurfelPose) -> f32 {
@@ -169,103 +58,6 @@ pub fn alignment(normal: Vec3, pose: &SurfelPose) -> f32 {
     let squared = c * c;
     let fourth = squared * squared;
     fourth * fourth
-}
-
-/// The buffers of a lookup.
-#[derive(Clone, Copy)]
-pub struct Surfels<'a> {
-    /// First entry and number of entries of each cell.
-    pub cells: &'a [UVec2],
-    /// Surfels of all cells.
-    pub entries: &'a [u32],
-    /// Where surfels are.
-    pub poses: &'a [SurfelPose],
-    /// Their depth functions; empty in a frame without.
-    pub depths: &'a [SurfelDepth],
-    /// The grid of the cells.
-    pub grid: &'a GridShape,
-    /// Settings of the lookup.
-    pub settings: &'a SurfelSettings,
-}
-
-/// What a lookup at a point visits.
-#[derive(Clone, Copy, Default)]
-pub struct List<'a> {
-    /// Surfels.
-    pub ids: &'a [u32],
-    /// Their [`bounds`], as many.
-    pub bounds: &'a [u32],
-    /// Where the point is, to compare with those.
-    pub place: u32,
-}
-
-impl<'a> Surfels<'a> {
-    /// The surfels that a lookup at a point visits.
-    #[inline]
-    pub fn around(&self, point: Vec3) -> List<'a> {
-        let cell = grid::cell(point, self.grid);
-        let steps = bounds::steps_in(cell, self.grid);
-        self.list(cell, bounds::place(point - self.grid.centre, steps))
-    }
-
-    /// The list of a cell, for a point that has a [`place`](bounds::place) there.
-    #[inline]
-    pub fn list(&self, cell: u32, place: u32) -> List<'a> {
-        let (start, count) = (
-            self.cells[cell as usize].x as usize,
-            self.cells[cell as usize].y,
-        );
-        let visited = count.min(self.settings.lookup) as usize;
-        // Of a dropped list there is nothing.
-        let words = self
-            .entries
-            .get(start..start + 2 * count as usize)
-            .unwrap_or(&[]);
-        let (ids, bounds) = words.split_at(words.len() / 2);
-        let visited = visited.min(ids.len());
-        List {
-            ids: &ids[..visited],
-            bounds: &bounds[..visited],
-            place,
-        }
-    }
-
-    /// Whether a cell takes no more surfels: its list is as long as a lookup, or did not fit. Of more, each would be visited
-    /// less often, and their number would never settle.
-    #[inline]
-    pub fn is_full(&self, point: Vec3) -> bool {
-        let cell = self.cells[grid::cell(point, self.grid) as usize];
-        cell.y >= self.settings.lookup || cell == DROPPED
-    }
-
-    /// [`Surfels::around`] for several points at a time, of which `position` tells where they are, and nothing where
-    /// there is none: what one step needs of memory is asked for at all points before the next step.
-    #[inline(always)]
-    pub fn lists<const N: usize>(
-        &self,
-        mut position: impl FnMut(usize) -> Option<Vec3>,
-    ) -> [List<'a>; N] {
-        const PER_LINE: usize = 16;
-        const LINES: usize = 4;
-        let cells: [Option<(u32, Vec3)>; N] = std::array::from_fn(|i| {
-            let point = position(i)?;
-            let cell = grid::cell(point, self.grid);
-            simd::prefetch(self.cells, cell as usize);
-            Some((cell, point))
-        });
-        cells.map(|cell| {
-            let Some((cell, point)) = cell else {
-                return List::default();
-            };
-            let steps = bounds::steps_in(cell, self.grid);
-            let list = self.list(cell, bounds::place(point - self.grid.centre, steps));
-            for line in (0..list.ids.len().min(LINES * PER_LINE)).step_by(PER_LINE) {
-                simd::prefetch(list.bounds, line);
-                simd::prefetch(list.ids, line);
-            }
-            list
-        })
-    }
 }
 
 /// A point that is looked up.
@@ -464,6 +256,3 @@ pub fn gather(
     g.average /= average_weight.max(AVERAGE_LEAST);
     g
 }
-
-#[cfg(test)]
-mod tests;

@@ -3,6 +3,7 @@
 pub mod batch;
 pub mod bounds;
 pub mod debug;
+pub mod depth;
 pub mod emitter;
 pub mod environment;
 pub mod estimator;
@@ -10,6 +11,7 @@ pub mod gbuffer;
 pub mod grid;
 pub mod guide;
 pub mod hash;
+pub mod lists;
 pub mod lookup;
 pub mod mixture;
 pub mod octahedral;

@@ -1,6 +1,7 @@
 //! The lookup of surfels around a point where there is no wide one.
 use crate::data::{Gathered, SurfelLight};
-use crate::shared::lookup::{self, AT_A_TIME, List, Place, Points, Surfels};
+use crate::shared::lists::{List, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
 
 /// The lookup with the best instructions of this processor.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,8 +4,9 @@ use crate::data::{Gathered, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, 
 use crate::shared::bounds;
 use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
-use crate::shared::lookup::{self, AT_A_TIME, Place, Points, Surfels};
-use crate::shared::octahedral;
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
+use crate::shared::{depth, octahedral};
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -48,7 +49,7 @@ fn the_wide_lookup_is_the_scalar_one() {
                 0 => 0xffff_ffff,
                 1 => hash3(i, t as u32, 7),
                 // Moments of one distance, so that the variance is the least there is.
-                _ => lookup::pack_moments(glam::Vec2::new(0.3, 0.09)),
+                _ => depth::pack_moments(glam::Vec2::new(0.3, 0.09)),
             }),
         })
         .collect();

@@ -4,7 +4,7 @@ use crate::data::{
     SurfelSettings,
 };
 use crate::shared::debug::{self, DebugView};
-use crate::shared::{guide, lookup, octahedral, sampling, surface};
+use crate::shared::{depth as depths, guide, lists, lookup, octahedral, sampling, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::{UVec2, Vec3};
 
@@ -48,7 +48,7 @@ fn mean_distance(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
         true => sampling::to_local(d / distance, pose.normal),
         false => Vec3::Z,
     };
-    lookup::depth_moments(depth, Vec3::new(local.x, local.y, local.z.max(0.0))).x
+    depths::depth_moments(depth, Vec3::new(local.x, local.y, local.z.max(0.0))).x
 }
 
 /// The guide's texel at a point of the disc's middle, which is the hemisphere seen from above; nothing beyond.
@@ -66,7 +66,7 @@ fn guide_at(guide: &SurfelGuide, pose: &SurfelPose, d: Vec3) -> f32 {
 fn weighted(
     point: Vec3,
     normal: Vec3,
-    s: &lookup::Surfels<'_>,
+    s: &lists::Surfels<'_>,
     values: &[f32],
     mean: bool,
 ) -> DebugPixel {
@@ -81,7 +81,7 @@ fn weighted(
             continue;
         }
         if !s.depths.is_empty() {
-            weight *= lookup::visibility(&s.depths[id], pose, d);
+            weight *= depths::visibility(&s.depths[id], pose, d);
         }
         if weight < lookup::LEAST_WEIGHT {
             continue;
@@ -101,7 +101,7 @@ fn weighted(
 fn nearest(
     point: Vec3,
     normal: Vec3,
-    s: &lookup::Surfels<'_>,
+    s: &lists::Surfels<'_>,
     values: &[f32],
 ) -> Option<(usize, f32)> {
     let mut found = None;
@@ -121,7 +121,7 @@ fn nearest(
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let surfels = lookup::Surfels {
+    let surfels = lists::Surfels {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),

@@ -3,7 +3,8 @@ use super::positional_update::radius_at;
 use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, AT_A_TIME, Points, Surfels};
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::shared::{hash, surface, upsample};
 use crate::simd;
 use gibs_graph::{AtomicView, Workgroup, stage};

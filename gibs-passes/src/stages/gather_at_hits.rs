@@ -2,7 +2,8 @@
 use crate::data::{
     Gathered, GridShape, Path, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, AT_A_TIME, Points, Surfels};
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::UVec2;

@@ -1,5 +1,5 @@
 //! `apply/inject_carry`: the lists of the cells, with room for new surfels.
-use crate::shared::lookup;
+use crate::shared::lists;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -29,9 +29,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
     for cell in group.range(p.cells.len() as u32) {
         let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
         let old = p.old_cells[cell];
-        if old == lookup::DROPPED || start + 2 * count > p.entries.len() {
+        if old == lists::DROPPED || start + 2 * count > p.entries.len() {
             p.overflow.add(0, count as u32);
-            p.cells.set(cell, lookup::DROPPED);
+            p.cells.set(cell, lists::DROPPED);
             continue;
         }
         let (first, listed) = (old.x as usize, old.y as usize);

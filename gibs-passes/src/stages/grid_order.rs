@@ -1,6 +1,6 @@
 //! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
 use crate::data::{GridShape, SurfelPose};
-use crate::shared::{bounds, hash, lookup};
+use crate::shared::{bounds, hash, lists};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -83,7 +83,7 @@ fn order(p: &Views<'_>, cell: usize) {
     let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
     if start + 2 * count > p.entries.len() {
         p.overflow.add(0, count as u32);
-        p.cells.set(cell, lookup::DROPPED);
+        p.cells.set(cell, lists::DROPPED);
         return;
     }
     p.cells.set(cell, UVec2::new(start as u32, count as u32));

@@ -4,7 +4,7 @@ use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
     Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
 };
-use crate::shared::{grid, lookup, octahedral, recycling};
+use crate::shared::{depth, grid, octahedral, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -67,7 +67,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
         let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
         if radius != pose.radius && !p.depths.is_empty() {
-            let depth = lookup::rescaled(&p.depths.get(i), pose.radius / radius);
+            let depth = depth::rescaled(&p.depths.get(i), pose.radius / radius);
             p.depths.set(i, depth);
         }
         p.poses.set(

@@ -2,7 +2,8 @@
 use crate::data::{
     Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, Place, Surfels};
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, Place};
 use crate::shared::{hash, recycling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};

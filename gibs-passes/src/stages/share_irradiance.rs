@@ -2,7 +2,8 @@
 use crate::data::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
-use crate::shared::lookup::{self, List, Surfels};
+use crate::shared::lists::{List, Surfels};
+use crate::shared::lookup;
 use crate::shared::{grid, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};

@@ -1,6 +1,6 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
 use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::lookup::{DEPTH_SIDE, FARTHEST, UNKNOWN, moments, pack_moments};
+use crate::shared::depth::{DEPTH_SIDE, FARTHEST, UNKNOWN, moments, pack_moments};
 use crate::shared::{octahedral, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};

@@ -6,7 +6,8 @@ use super::super::lanes::{columns, store_rows};
 use super::super::prefetch;
 use super::cells::Cells;
 use crate::data::{SurfacePoint, SurfelPose};
-use crate::shared::lookup::{AT_A_TIME, List, Points, Surfels};
+use crate::shared::lists::{List, Surfels};
+use crate::shared::lookup::{AT_A_TIME, Points};
 use crate::shared::surface;
 
 /// Entries of a list in a line of the cache.

@@ -1,12 +1,9 @@
-//! The lookup of surfels around a point, eight surfels at a time: [`crate::shared::lookup`], operation for operation.
-//!
-//! Most surfels of a cell do not reach a point of it. Those that do, by their distance alone, are gathered up in the order
-//! of the cell's list until there are eight; then come their weights and depth functions, and the sums, one after the
-//! other, in that order.
+//! The lookup of surfels around points, eight surfels at a time: [`crate::shared::lookup`], operation for operation.
 #![allow(unsafe_code)]
 mod batch;
 mod bounds;
 mod cells;
+mod near;
 mod pairs;
 pub mod poses;
 
@@ -15,10 +12,11 @@ use std::arch::x86_64::*;
 use super::lanes::{Lanes3, all, stored};
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
-use crate::shared::lookup::{self, AT_A_TIME, List, Place, Points, Surfels};
+use crate::shared::lists::{List, Surfels};
+use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
 use batch::Batch;
-use bounds::Point;
 use glam::Vec3;
+use near::{coverage, neighbours};
 use pairs::for_pairs;
 use poses::Poses;
 
@@ -125,58 +123,6 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
     }
 }
 
-/// Calls `eight_near` with the surfels of a list that may reach its point with `reach` times their radii, eight at a time
-/// and in order, as far as it says that it wants more, and with how many of them count. `found` hears of each a little
-/// before.
-///
-/// # Safety
-/// Inlined into functions for processors with AVX2 only.
-#[inline(always)]
-unsafe fn for_near(
-    list: List<'_>,
-    reach: u32,
-    found: impl Fn(usize),
-    mut eight_near: impl FnMut(&[u32; 8], usize) -> bool,
-) {
-    let mut waiting = [0; 16];
-    let mut count = 0;
-    // SAFETY: the caller is compiled for AVX2.
-    let point = unsafe { Point::new(list.place, reach) };
-    for (ids, bounds) in list.ids.chunks(8).zip(list.bounds.chunks(8)) {
-        // SAFETY: the caller is compiled for AVX2.
-        let mask = unsafe {
-            let (bounds, there) = eight(bounds);
-            point.may_reach(bounds) & there
-        };
-        lanes(mask, |lane| {
-            let id = ids.get(lane).copied().unwrap_or(0);
-            waiting[count & 15] = id;
-            count += 1;
-            found(id as usize);
-        });
-        if count >= 8 {
-            let [first, second] = halves(&waiting);
-            if !eight_near(&first, 8) {
-                return;
-            }
-            waiting[..8].copy_from_slice(&second);
-            count -= 8;
-        }
-    }
-    if count > 0 {
-        let [mut first, _] = halves(&waiting);
-        let filler = first[0];
-        first[count..].fill(filler);
-        eight_near(&first, count);
-    }
-}
-
-#[inline(always)]
-fn halves(all: &[u32; 16]) -> [[u32; 8]; 2] {
-    let half = |start: usize| std::array::from_fn(|i| all[start + i]);
-    [half(0), half(8)]
-}
-
 /// What is left of weights after the depth functions, and the mask of those that were above zero before.
 ///
 /// # Safety
@@ -200,95 +146,6 @@ unsafe fn weighed(
         let share = poses.visibility(s.depths, ids, point);
         (_mm256_mul_ps(weight, share), mask)
     }
-}
-
-/// Weights of eight surfels at a point, and the mask of those that were above zero before the depth functions.
-///
-/// # Safety
-/// As [`for_near`].
-#[inline(always)]
-unsafe fn weights_at(
-    s: &Surfels<'_>,
-    ids: &[u32; 8],
-    count: usize,
-    point: &Lanes3,
-    normal: &Lanes3,
-) -> ([f32; 8], u32) {
-    // SAFETY: the caller is compiled for AVX2.
-    unsafe {
-        let poses = Poses::load(s.poses, ids);
-        let weight = _mm256_mul_ps(poses.falloff(&poses.to(point)), poses.alignment(normal));
-        let (weight, mask) = weighed(s, ids, count, &poses, weight, point);
-        (stored(weight), mask)
-    }
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
-    let (point, normal) = (all(place.position), all(place.normal));
-    let mut total = 0.0;
-    let soon = |id| {
-        prefetch(s.poses, id);
-        prefetch(s.depths, id);
-    };
-    let eight_near = |ids: &[u32; 8], count| {
-        // SAFETY: this function is compiled for AVX2.
-        let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
-        lanes(mask, |lane| {
-            total += weight[lane];
-            if weight[lane] > 0.0 {
-                seen(ids[lane] as usize);
-            }
-        });
-        true
-    };
-    // SAFETY: this function is compiled for AVX2.
-    unsafe { for_near(place.list, 1, soon, eight_near) };
-    total
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn neighbours(
-    own: usize,
-    list: List<'_>,
-    reach: u32,
-    s: &Surfels<'_>,
-    wanted: impl Fn(usize) -> bool,
-    mut each: impl FnMut(usize, f32),
-) {
-    let own_pose = &s.poses[own];
-    let (point, normal) = (all(own_pose.position), all(own_pose.normal));
-    let soon = |id| {
-        prefetch(s.poses, id);
-        prefetch(s.depths, id);
-    };
-    let eight_near = |ids: &[u32; 8], count| {
-        // SAFETY: this function is compiled for AVX2.
-        unsafe {
-            let poses = Poses::load(s.poses, ids);
-            let falloff = poses.reaching(reach as f32).falloff(&poses.to(&point));
-            let weight = _mm256_mul_ps(falloff, poses.alignment(&normal));
-            let (mut weight, mask) = weighed(s, ids, count, &poses, weight, &point);
-            if mask != 0 && !s.depths.is_empty() {
-                let share = Poses::repeated(own_pose).visibility(
-                    s.depths,
-                    &[own as u32; 8],
-                    &poses.position,
-                );
-                weight = _mm256_mul_ps(weight, share);
-            }
-            let weight = stored(weight);
-            lanes(mask, |lane| {
-                let id = ids[lane] as usize;
-                if wanted(id) {
-                    each(id, weight[lane]);
-                }
-            });
-        }
-        true
-    };
-    // SAFETY: this function is compiled for AVX2.
-    unsafe { for_near(list, reach, soon, eight_near) };
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]

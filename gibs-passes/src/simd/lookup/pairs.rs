@@ -12,7 +12,7 @@ use super::batch::Batch;
 use super::bounds::Point;
 use super::eight;
 use super::poses::Poses;
-use crate::shared::lookup::Surfels;
+use crate::shared::lists::Surfels;
 
 /// Pairs in a line before they go on.
 const FULL: usize = 256;

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use super::super::directions::{hemisphere, to_local};
 use super::super::lanes::{Lanes3, all, dot, positive};
 use crate::data::{SurfelDepth, SurfelPose};
-use crate::shared::lookup;
+use crate::shared::{depth, lookup};
 
 /// Eight surfels, in columns.
 #[derive(Clone, Copy)]
@@ -129,7 +129,7 @@ impl Poses {
         _mm256_mul_ps(fourth, fourth)
     }
 
-    /// [`lookup::visibility`].
+    /// [`depth::visibility`].
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     pub fn visibility(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
@@ -149,7 +149,7 @@ impl Poses {
     }
 }
 
-/// [`lookup::depth_moments`] in a direction that is clamped to the hemisphere first.
+/// [`depth::depth_moments`] in a direction that is clamped to the hemisphere first.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
@@ -158,8 +158,8 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
         _mm256_set1_ps(0.5),
         _mm256_set1_ps(1.0),
     );
-    let side = _mm256_set1_ps(lookup::DEPTH_SIDE as f32);
-    let last = _mm256_set1_ps(lookup::DEPTH_SIDE as f32 - 1.0);
+    let side = _mm256_set1_ps(depth::DEPTH_SIDE as f32);
+    let last = _mm256_set1_ps(depth::DEPTH_SIDE as f32 - 1.0);
     let place = |unit: __m256| _mm256_sub_ps(_mm256_mul_ps(unit, side), half);
     let [u, v] = hemisphere(&[local[0], local[1], positive(local[2])]);
     let (u, v) = (place(u), place(v));
@@ -194,7 +194,7 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
     ];
     let (gu, gv) = (_mm256_sub_ps(one, fu), _mm256_sub_ps(one, fv));
     let blend = |a, b, f, g| _mm256_add_ps(_mm256_mul_ps(a, g), _mm256_mul_ps(b, f));
-    let scale = _mm256_set1_ps(lookup::MOMENT_SCALE);
+    let scale = _mm256_set1_ps(depth::MOMENT_SCALE);
     let moment = |k: usize| {
         let top = blend(corners[0][k], corners[1][k], fu, gu);
         let bottom = blend(corners[2][k], corners[3][k], fu, gu);
@@ -203,18 +203,18 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
     [moment(0), moment(1)]
 }
 
-/// [`lookup::chebyshev`].
+/// [`depth::chebyshev`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn chebyshev(m: &[__m256; 2], t: __m256) -> __m256 {
     let one = _mm256_set1_ps(1.0);
     let variance = _mm256_max_ps(
         _mm256_sub_ps(m[1], _mm256_mul_ps(m[0], m[0])),
-        _mm256_set1_ps(lookup::LEAST_VARIANCE),
+        _mm256_set1_ps(depth::LEAST_VARIANCE),
     );
     let d = _mm256_sub_ps(t, m[0]);
     let bound = _mm256_div_ps(variance, _mm256_add_ps(variance, _mm256_mul_ps(d, d)));
-    let floor = lookup::CHEBYSHEV_FLOOR;
+    let floor = depth::CHEBYSHEV_FLOOR;
     let tight = positive(_mm256_div_ps(
         _mm256_sub_ps(bound, _mm256_set1_ps(floor)),
         _mm256_set1_ps(1.0 - floor),

@@ -12,7 +12,7 @@ use super::lanes::{columns, loaded, positive, stored, stored_words};
 use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
 use crate::data::SurfelDepth;
-use crate::shared::lookup::{DEPTH_SIDE, FARTHEST, MOMENT_SCALE, UNKNOWN};
+use crate::shared::depth::{DEPTH_SIDE, FARTHEST, MOMENT_SCALE, UNKNOWN};
 use crate::stages::update_depth::{DEPTH_SETTLES, Distances, update_each};
 
 /// Rays whose hits are asked for at once.

@@ -1,8 +1,8 @@
 //! Wide depth functions have the scalar ones' bits.
 use super::update_depth;
 use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose};
+use crate::shared::depth::UNKNOWN;
 use crate::shared::hash::{hash2, hash3, unit};
-use crate::shared::lookup::UNKNOWN;
 use crate::stages::update_depth::{Distances, update_each};
 use bytemuck::Zeroable;
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! Tests of `shared/lookup.rs`.
+//! Tests of `shared/depth.rs`.
 use super::*;
 
 #[test]

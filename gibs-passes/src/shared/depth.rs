@@ -1,0 +1,113 @@
+//! The depth function of a surfel, and the share of its light that it lets through (GIBS, "Radial Gaussian Depth").
+use super::octahedral::hemisphere_encode;
+use super::sampling::to_local;
+use super::surface;
+use crate::data::{SurfelDepth, SurfelPose};
+use glam::{Vec2, Vec3};
+
+/// Texels along each side of a depth function.
+pub const DEPTH_SIDE: u32 = 4;
+
+/// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
+pub const LEAST_VARIANCE: f32 = 1e-4;
+
+/// Chebyshev bounds below this count as none: the bound is not tight, and a bright room shines through it.
+pub const CHEBYSHEV_FLOOR: f32 = 0.6;
+
+/// One step of a moment.
+pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
+
+/// The farthest distance that a ray teaches, in diameters: one step below one, so that a texel that has learned from a ray
+/// differs from [`UNKNOWN`].
+pub const FARTHEST: f32 = 65_534.0 / 65_535.0;
+
+/// A texel that no ray has reached: both moments one, so that it hides nothing.
+pub const UNKNOWN: u32 = u32::MAX;
+
+/// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
+#[inline]
+fn steps(texel: u32) -> Vec2 {
+    Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32)
+}
+
+/// The first and second moment in a texel.
+#[inline]
+pub fn moments(texel: u32) -> Vec2 {
+    steps(texel) * MOMENT_SCALE
+}
+
+/// Moments in a texel, each in `[0, 1]`.
+#[inline]
+pub fn pack_moments(m: Vec2) -> u32 {
+    surface::unorm16(m.x) | (surface::unorm16(m.y) << 16)
+}
+
+/// A depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing is
+/// known beyond the diameter of before, and what was open to there counts as hidden beyond until rays tell.
+#[inline]
+pub fn rescaled(depth: &SurfelDepth, shrinks: f32) -> SurfelDepth {
+    let squared = shrinks * shrinks;
+    SurfelDepth {
+        texels: depth.texels.map(|texel| {
+            if texel == UNKNOWN {
+                return UNKNOWN;
+            }
+            let m = moments(texel);
+            pack_moments(Vec2::new(
+                (m.x * shrinks).min(FARTHEST),
+                (m.y * squared).min(FARTHEST),
+            ))
+        }),
+    }
+}
+
+/// Moments of the depth function in a direction of the surfel's frame, bilinear.
+#[inline]
+pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
+    let side = DEPTH_SIDE as f32;
+    let uv = hemisphere_encode(local) * side - 0.5;
+    let low = uv.floor();
+    let f = uv - low;
+    let at = |dx: f32, dy: f32| {
+        let x = (low.x + dx).clamp(0.0, side - 1.0) as usize;
+        let y = (low.y + dy).clamp(0.0, side - 1.0) as usize;
+        steps(depth.texels[y * DEPTH_SIDE as usize + x])
+    };
+    let top = at(0.0, 0.0) * (1.0 - f.x) + at(1.0, 0.0) * f.x;
+    let bottom = at(0.0, 1.0) * (1.0 - f.x) + at(1.0, 1.0) * f.x;
+    (top * (1.0 - f.y) + bottom * f.y) * MOMENT_SCALE
+}
+
+/// Bound on the share of the light around a surfel that reaches distance `t` (over the diameter), from moments of the
+/// depth there: Chebyshev's inequality, 1 up to the mean (Donnelly and Lauritzen 2006), cubed because it is only an upper
+/// bound (as Majercik et al. 2019 do).
+#[inline]
+pub fn chebyshev(m: Vec2, t: f32) -> f32 {
+    if t <= m.x {
+        return 1.0;
+    }
+    let variance = (m.y - m.x * m.x).max(LEAST_VARIANCE);
+    let d = t - m.x;
+    let bound = variance / (variance + d * d);
+    let tight = ((bound - CHEBYSHEV_FLOOR) / (1.0 - CHEBYSHEV_FLOOR)).max(0.0);
+    tight * tight * tight
+}
+
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
+#[inline]
+pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+    let distance = d.length();
+    // Nothing fits between a surfel's centre and a point this close.
+    if distance < 0.02 * pose.radius {
+        return 1.0;
+    }
+    let local = to_local(d / distance, pose.normal);
+    let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
+    chebyshev(
+        depth_moments(depth, clamped),
+        distance / (2.0 * pose.radius),
+    )
+}
+
+#[cfg(test)]
+mod tests;
