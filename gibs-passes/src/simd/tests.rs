@@ -123,9 +123,10 @@ fn the_wide_lookup_is_the_scalar_one() {
             shading_normal: octahedral::pack(direction(case, 70 + i as u32)),
             ..SurfacePoint::default()
         });
-        let points: Points<'_> =
-            std::array::from_fn(|i| (hash3(case, i as u32, 3) % 8 != 0).then_some(&all[i]));
-        let wanted = |i: usize| i % 3 != 0;
+        let points: Points<'_> = std::array::from_fn(|i| {
+            (!hash3(case, i as u32, 3).is_multiple_of(8)).then_some(&all[i])
+        });
+        let wanted = |i: usize| !i.is_multiple_of(3);
         let gathered = lookup::gathers(&points, enough, wanted, &surfels, &light);
         let same = wide.gathers(&points, enough, wanted, &surfels, &light);
         assert_eq!(

@@ -78,6 +78,8 @@ fn depth(i: u32) -> SurfelDepth {
     }
 }
 
+type Cells<'a> = &'a [Cell<SurfelDepth>];
+
 #[test]
 fn wide_depth_functions_are_the_scalar_ones() {
     let poses: Vec<SurfelPose> = (0..SURFELS).map(pose).collect();
@@ -123,7 +125,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
                     .step_by(group)
                     .map(move |start| start..all.min(start + group))
             };
-            let run = |update: &dyn Fn(Range<usize>, &[Cell<SurfelDepth>])| {
+            let run = |update: &dyn Fn(Range<usize>, Cells<'_>)| {
                 let mut depths: Vec<SurfelDepth> = (0..SURFELS).map(depth).collect();
                 let cells = Cell::from_mut(&mut depths[..]).as_slice_of_cells();
                 ranges().for_each(|range| update(range, cells));
