@@ -17,11 +17,11 @@ const BOUNDS_FARTHEST: f32 = 262144.0;
 /// Steps in a metre, for a cell.
 fn bounds_steps_in(cell: u32, shape: GridShape) -> f32 {
     let in_cube = BOUNDS_STEPS * 0.5 * f32(shape.side) / shape.half;
-    let slice = shape.side * shape.side;
+    let slice = max(shape.side * shape.side, 1u);
     if cell < slice * shape.side {
         return in_cube;
     }
-    let octaves = f32((cell - slice * shape.side) / slice % shape.slices + 1u) / shape.per_octave;
+    let octaves = f32((cell - slice * shape.side) / slice % max(shape.slices, 1u) + 1u) / shape.per_octave;
     return in_cube * bitcast<f32>(u32((127.0 - octaves) * 8388608.0));
 }
 

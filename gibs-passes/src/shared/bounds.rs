@@ -39,13 +39,13 @@ pub fn steps_in_slice(slice: u32, grid: &GridShape) -> f32 {
     steps_in_cube(grid) * f32::from_bits(((127.0 - octaves) * 8_388_608.0) as u32)
 }
 
-/// Steps in a metre, for a cell.
+/// Steps in a metre, for a cell. No grid that somebody has written is without cells.
 #[inline]
 pub fn steps_in(cell: u32, grid: &GridShape) -> f32 {
-    let slice = grid.side * grid.side;
+    let slice = (grid.side * grid.side).max(1);
     match cell.checked_sub(slice * grid.side) {
         None => steps_in_cube(grid),
-        Some(beyond) => steps_in_slice(beyond / slice % grid.slices, grid),
+        Some(beyond) => steps_in_slice(beyond / slice % grid.slices.max(1), grid),
     }
 }
 

@@ -56,6 +56,9 @@ fn wide_kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         p.cells.set(cell, UVec2::new(start as u32, count as u32));
+        if count == 0 {
+            continue;
+        }
         let keys = &mut keys[..count];
         for (i, key) in keys.iter_mut().enumerate() {
             let id = p.entries.get(start + i);
