@@ -40,7 +40,10 @@ fn main(
                     // Of a dropped list there is nothing.
                     if list.y > 0u {
                         let before = atomicAdd(&born[cell], 1u);
-                        entries[list.x + list.y - 1u - before] = id;
+                        // There is room for those that were counted; a device may find another cell than it did then.
+                        if before < list.y {
+                            entries[list.x + list.y - 1u - before] = id;
+                        }
                     }
                 }
             }

@@ -22,7 +22,7 @@ fn main(
     }
     let start = cells[cell].x;
     let count = cells[cell].y;
-    for (var i = count - born[cell]; i < count; i++) {
+    for (var i = count - min(born[cell], count); i < count; i++) {
         let moving = entries[start + i];
         var j = i;
         while j > 0u {

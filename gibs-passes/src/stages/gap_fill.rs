@@ -187,6 +187,8 @@ fn is_fine(p: &Views<'_>, surfels: &Surfels<'_>, point: &SurfacePoint) -> bool {
     list.ids.iter().any(|&id| {
         let pose = &p.poses[id as usize];
         let d = pose.position - point.position;
-        pose.radius < FINE * open && d.dot(d) < open * open
+        // A slot that was freed in this frame is still listed.
+        let is_small = pose.radius > 0.0 && pose.radius < FINE * open;
+        is_small && d.dot(d) < open * open
     })
 }

@@ -34,7 +34,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             // Of a dropped list there is nothing.
             if list.y > 0 {
                 let before = p.born.add(cell as usize, 1);
-                p.entries.set((list.x + list.y - 1 - before) as usize, id);
+                // There is room for those that were counted; a device may find another cell than it did then.
+                if before < list.y {
+                    p.entries.set((list.x + list.y - 1 - before) as usize, id);
+                }
             }
         });
     }

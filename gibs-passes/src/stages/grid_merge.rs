@@ -30,7 +30,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let (start, count) = (p.cells[cell].x as usize, p.cells[cell].y as usize);
-        for i in count - born..count {
+        for i in count.saturating_sub(born)..count {
             let moving = p.entries.get(start + i);
             let mut j = i;
             while j > 0 {

@@ -38,7 +38,7 @@ pub(super) fn update_positions(
     }
 }
 
-/// Lists of cells, and how many entries did not fit.
+/// Cells, and room for their lists.
 fn empty_lists(
     g: &mut Graph,
     label: &str,
