@@ -315,7 +315,7 @@ element! {
         frame: u32,
         /// Distance by which rays start off the surface.
         offset: f32,
-        /// Distance to the nearest surface that rises above it, as far as the picture showed at its birth, metres.
+        /// Distance to the nearest surface around it, as far as the picture showed at its birth and rays told since, metres.
         clearance: f32,
     }
 

@@ -24,6 +24,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
     let count = min(cell.y, settings.lookup);
     let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
     var g: Gathered;
+    var total = 0.0;
     for (var i = 0u; i < count; i++) {
         if !bounds_may_reach(entries[cell.x + cell.y + i], place, 1u) {
             continue;
@@ -39,22 +40,21 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
         if weight < LOOKUP_LEAST_WEIGHT {
             continue;
         }
-        g.irradiance += light[id].irradiance * weight;
+        let dense = weight / (pose.radius * pose.radius);
+        g.irradiance += light[id].irradiance * dense;
         g.weight += weight;
-        g.confidence += weight * light[id].trust;
+        total += dense;
+        g.confidence += dense * light[id].trust;
         if g.weight >= enough {
             break;
         }
     }
     if g.weight > 0.0 {
-        g.confidence /= g.weight;
+        g.weight = min(g.weight, 1.0);
+        g.irradiance *= g.weight / total;
+        g.confidence /= total;
     }
-    if g.weight >= 1.0 {
-        g.irradiance /= g.weight;
-        g.weight = 1.0;
-        return g;
-    }
-    if !wants_average {
+    if g.weight >= 1.0 || !wants_average {
         return g;
     }
     var average_weight = 0.0;

@@ -35,6 +35,12 @@ const LOOKUP_FARTHEST: f32 = 65534.0 / 65535.0;
 /// A texel that no ray has reached: both moments one, so that it hides nothing.
 const LOOKUP_UNKNOWN: u32 = 0xffffffffu;
 
+/// A surfel's radius as a first moment, in steps.
+const LOOKUP_RADIUS_STEPS: u32 = 0x8000u;
+
+/// Summed over all texels, by how many steps the mean distance may lack a radius before surfaces count as close.
+const LOOKUP_CLOSE: u32 = 16u * LOOKUP_RADIUS_STEPS / 32u;
+
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
 fn lookup_steps(texel: u32) -> vec2<f32> {
     return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u));

@@ -7,6 +7,10 @@ import package::vector::vector_length;
 const SURFEL_AT_HIT: u32 = 0x80000000u;
 /// Least radius of a surfel beside a wall, over what it would be in the open.
 const SURFEL_LEAST_SHARE: f32 = 0.25;
+/// Age, in frames, up to which a surfel shrinks where surfaces are close.
+const SURFEL_LEARNS_FOR: u32 = 32u;
+/// What is left of the radius of a surfel that is too large for where it is, in a frame.
+const SURFEL_SHRINKS_TO: f32 = 0.5;
 
 /// Radius whose projection is `radius_pixels` at this distance from the eye, within what the grid allows and the surfel's
 /// surroundings ask for, metres.

@@ -1,23 +1,24 @@
 // Surfels follow the surfaces that they were born on, and their radius follows the camera.
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
-@if(depths) import package::lookup::lookup_rescaled;
+@if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_rescaled};
 import package::octahedral::octahedral_unpack;
 import package::recycling::RECYCLING_LOST;
-import package::surfel::surfel_radius_at;
+import package::surfel::{SURFEL_SHRINKS_TO, SURFEL_LEARNS_FOR, surfel_radius_at};
 import package::types::{
-    Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
+    Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
 };
 import package::vector::vector_normalize;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
-@group(0) @binding(1) var<uniform> grid: GridShape;
-@group(0) @binding(2) var<uniform> settings: SurfelSettings;
-@group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
+@group(0) @binding(1) var<uniform> frame: Frame;
+@group(0) @binding(2) var<uniform> grid: GridShape;
+@group(0) @binding(3) var<uniform> settings: SurfelSettings;
 @group(0) @binding(4) var<storage, read> transforms: array<Transform>;
-@group(0) @binding(5) var<storage, read_write> poses: array<SurfelPose>;
-@group(0) @binding(6) var<storage, read_write> unseen: array<u32>;
-@if(depths) @group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+@group(0) @binding(5) var<storage, read_write> births: array<SurfelBirth>;
+@group(0) @binding(6) var<storage, read_write> poses: array<SurfelPose>;
+@group(0) @binding(7) var<storage, read_write> unseen: array<u32>;
+@if(depths) @group(0) @binding(8) var<storage, read_write> depths: array<SurfelDepth>;
 
 /// The depth function follows the radius, over twice which its distances are.
 @if(depths)
@@ -29,6 +30,20 @@ fn rescale_depths(surfel: u32, shrinks: f32) {
 }
 @else
 fn rescale_depths(surfel: u32, shrinks: f32) {}
+
+/// Whether a surfel has learned that surfaces are so close that its irradiance says little of places a radius away.
+@if(depths)
+fn is_crowded(surfel: u32) -> bool {
+    var lacks = 0u;
+    for (var texel = 0u; texel < 16u; texel++) {
+        lacks += LOOKUP_RADIUS_STEPS - min(depths[surfel].texels[texel] & 0xffffu, LOOKUP_RADIUS_STEPS);
+    }
+    return lacks > LOOKUP_CLOSE;
+}
+@else
+fn is_crowded(surfel: u32) -> bool {
+    return false;
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -54,7 +69,12 @@ fn main(
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
-    let radius = surfel_radius_at(position, births[i].clearance, camera, grid, settings);
+    var clearance = birth.clearance;
+    if frame.number - birth.frame < SURFEL_LEARNS_FOR && is_crowded(i) {
+        clearance = min(clearance, SURFEL_SHRINKS_TO * pose.radius);
+        births[i].clearance = clearance;
+    }
+    let radius = surfel_radius_at(position, clearance, camera, grid, settings);
     if radius != pose.radius {
         rescale_depths(i, pose.radius / radius);
     }

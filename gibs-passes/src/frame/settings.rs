@@ -259,9 +259,10 @@ impl Settings {
     ///
     /// When spawning stops there are about `SURFELS_PER_DISC` times as many surfels as discs of that radius fit (measured:
     /// 5500 surfels of 8 pixels cover a picture of 480x270). Fitted, they take `SHARE_IN_VIEW` of the capacity; the rest is
-    /// for what the camera has left behind.
+    /// for the small ones beside walls and in foliage, in the atrium of Sponza half as many again, and for what the camera has
+    /// left behind.
     pub fn radius_in(&self, size: [u32; 2]) -> f32 {
-        const SHARE_IN_VIEW: f32 = 0.36;
+        const SHARE_IN_VIEW: f32 = 0.276;
         const SURFELS_PER_DISC: f32 = 8.5;
         const LEAST: f32 = 1.0;
         if self.radius > 0.0 {
@@ -283,11 +284,12 @@ impl Settings {
         1 + u32::from(self.half_resolution)
     }
 
-    /// Side of the tiles in each of which a surfel may be born in a frame, in texels of gap filling. In pixels it does not
-    /// depend on those: about as wide as a surfel, within what the stage allows.
+    /// Side of the tiles that surfels are born in, at most one in each or, beside small ones, in each of its quarters, in
+    /// texels of gap filling. In pixels it does not depend on those: about a surfel's radius, within what the stage allows, so
+    /// that gaps between surfels are found in a few frames.
     pub fn tile_in(&self, size: [u32; 2]) -> u32 {
         const LEAST_PIXELS: u32 = 2 * LEAST_TILE;
-        let wide = (2.0 * self.radius_in(size)) as u32;
+        let wide = self.radius_in(size) as u32;
         (1 << wide.max(1).ilog2()).clamp(LEAST_PIXELS, GROUP) / self.stride()
     }
 

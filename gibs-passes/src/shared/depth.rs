@@ -24,6 +24,23 @@ pub const FARTHEST: f32 = 65_534.0 / 65_535.0;
 /// A texel that no ray has reached: both moments one, so that it hides nothing.
 pub const UNKNOWN: u32 = u32::MAX;
 
+/// A surfel's radius as a first moment, in steps.
+const RADIUS_STEPS: u32 = 0x8000;
+
+/// Summed over all texels, by how many steps the mean distance may lack a radius before surfaces count as close: a thirty-second
+/// of the radius in the mean over directions.
+const CLOSE: u32 = DEPTH_SIDE * DEPTH_SIDE * RADIUS_STEPS / 32;
+
+/// Whether a surfel has learned that surfaces are so close that its irradiance says little of places a radius away (Ward,
+/// Rubinstein and Clear 1988: irradiance changes over the distance to what is around). Only what is nearer than a radius
+/// counts, so that a surfel that has just grown is not taken for one that is hemmed in. Summed in whole steps; what is unknown
+/// is far.
+#[inline]
+pub fn is_crowded(depth: &SurfelDepth) -> bool {
+    let lacks = |texel: &u32| RADIUS_STEPS.saturating_sub(texel & 0xffff);
+    depth.texels.iter().map(lacks).sum::<u32>() > CLOSE
+}
+
 /// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
 #[inline]
 fn steps(texel: u32) -> Vec2 {

@@ -208,6 +208,7 @@ pub fn gather(
         }
     };
     let mut g = Gathered::default();
+    let mut total = 0.0;
     for &id in list.ids {
         let id = id as usize;
         let pose = &s.poses[id];
@@ -220,22 +221,22 @@ pub fn gather(
         if weight < LEAST_WEIGHT {
             continue;
         }
-        g.irradiance += light[id].irradiance * weight;
+        // Its kernel is spread over its disc: where small ones were needed, a large one says less.
+        let dense = weight / (pose.radius * pose.radius);
+        g.irradiance += light[id].irradiance * dense;
         g.weight += weight;
-        g.confidence += weight * light[id].trust;
+        total += dense;
+        g.confidence += dense * light[id].trust;
         if g.weight >= enough {
             break;
         }
     }
     if g.weight > 0.0 {
-        g.confidence /= g.weight;
+        g.weight = g.weight.min(1.0);
+        g.irradiance *= g.weight / total;
+        g.confidence /= total;
     }
-    if g.weight >= 1.0 {
-        g.irradiance /= g.weight;
-        g.weight = 1.0;
-        return g;
-    }
-    if !averaged {
+    if g.weight >= 1.0 || !averaged {
         return g;
     }
     let mut average_weight = 0.0;

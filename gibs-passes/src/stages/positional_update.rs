@@ -2,7 +2,7 @@
 //! the camera (S8).
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
-    Camera, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
+    Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
 };
 use crate::shared::{depth, grid, octahedral, recycling};
 use gibs_graph::{Workgroup, stage};
@@ -11,16 +11,18 @@ use glam::Vec3;
 stage! {
     /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
     /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in. The depth
-    /// function, whose distances are over the diameter, follows the radius.
+    /// function, whose distances are over the diameter, follows the radius; where it tells of surfaces close by, which the picture
+    /// at its birth need not have shown, a young surfel shrinks.
     pub stage PositionalUpdate {
         wgsl: gibs_shaders::stages::POSITIONAL_UPDATE,
         workgroup: [64, 1, 1],
         ports: {
             uniform camera: Camera,
+            uniform frame: Frame,
             uniform grid: GridShape,
             uniform settings: SurfelSettings,
-            read births: SurfelBirth,
             read transforms: Transform,
+            read_write births: SurfelBirth,
             read_write poses: SurfelPose,
             read_write unseen: u32,
             optional_read_write depths: SurfelDepth,
@@ -32,6 +34,13 @@ stage! {
 
 /// Least radius of a surfel beside a wall, over what it would be in the open.
 pub const LEAST_SHARE: f32 = 0.25;
+
+/// Age, in frames, up to which a surfel shrinks where surfaces are close. One that grows later, as the camera backs away, takes
+/// for close what it has not seen yet.
+pub const LEARNS_FOR: u32 = 32;
+
+/// What is left, in a frame, of the radius of a surfel that is too large for where it is.
+pub const SHRINKS_TO: f32 = 0.5;
 
 /// Radius whose projection is `radius_pixels` at this distance from the eye, within what the grid allows, metres.
 #[inline]
@@ -56,7 +65,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         p.unseen.set(i, p.unseen.get(i).saturating_add(1));
-        let birth = &p.births[i];
+        let mut birth = p.births.get(i);
         // The scene has lost the surfel's node: it goes in this frame.
         let Some(transform) = p.transforms.get(birth.transform_id as usize) else {
             p.unseen.set(i, recycling::LOST);
@@ -65,6 +74,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
+        let learns = p.frame.number.wrapping_sub(birth.frame) < LEARNS_FOR;
+        if learns && !p.depths.is_empty() && depth::is_crowded(&p.depths.get(i)) {
+            birth.clearance = birth.clearance.min(SHRINKS_TO * pose.radius);
+            p.births.set(i, birth);
+        }
         let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
         if radius != pose.radius && !p.depths.is_empty() {
             let depth = depth::rescaled(&p.depths.get(i), pose.radius / radius);

@@ -20,10 +20,11 @@ pub(super) fn update_positions(
         "persistent/positional_update",
         positional_update::Inputs {
             camera: &scene.camera,
+            frame: &scene.frame,
             grid: shape,
             settings,
-            births: &surfels.births,
             transforms: &scene.transforms,
+            births: surfels.births,
             poses: surfels.poses,
             unseen: surfels.unseen,
             depths: surfels.depths,
@@ -31,6 +32,7 @@ pub(super) fn update_positions(
         Dispatch::Elements(capacity),
     );
     Surfels {
+        births: moved.births,
         poses: moved.poses,
         unseen: moved.unseen,
         depths: moved.depths,

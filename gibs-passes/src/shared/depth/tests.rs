@@ -33,6 +33,27 @@ fn depth_functions_follow_the_diameter() {
     }
 }
 
+/// A wall at the rim, beyond the radius, is not close, nor what has grown; something near in one direction is.
+#[test]
+fn what_is_hemmed_in_is_crowded() {
+    let with = |texel: f32| {
+        let mut depth = SurfelDepth::OPEN;
+        depth.texels[5] = pack_moments(Vec2::splat(texel));
+        depth
+    };
+    assert!(!is_crowded(&SurfelDepth::OPEN));
+    assert!(!is_crowded(&with(0.5)));
+    assert!(!is_crowded(&with(0.26)));
+    assert!(is_crowded(&with(0.24)));
+    // A surfel of half the size is half as close to it.
+    assert!(!is_crowded(&rescaled(&with(0.24), 2.0)));
+    // All directions open, up to the radius of before.
+    let mut open = SurfelDepth::OPEN;
+    open.texels.fill(pack_moments(Vec2::splat(FARTHEST)));
+    assert!(!is_crowded(&rescaled(&open, 0.51)));
+    assert!(is_crowded(&rescaled(&open, 0.45)));
+}
+
 #[test]
 fn moments_survive_packing_at_their_extremes() {
     for m in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.25, 0.75)] {

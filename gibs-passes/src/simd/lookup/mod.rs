@@ -175,12 +175,17 @@ fn gathers(
 ) -> [Gathered; AT_A_TIME] {
     let batch = Batch::new(points, s);
     let mut gathered = [Gathered::default(); AT_A_TIME];
+    let mut totals = [0.0; AT_A_TIME];
     let each = |at: usize, id: usize, weight: f32| {
-        let (light, g) = (&light[id], &mut gathered[at & (AT_A_TIME - 1)]);
+        let at = at & (AT_A_TIME - 1);
+        let (light, g, total) = (&light[id], &mut gathered[at], &mut totals[at]);
         if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
-            g.irradiance += light.irradiance * weight;
+            let radius = s.poses[id].radius;
+            let dense = weight / (radius * radius);
+            g.irradiance += light.irradiance * dense;
             g.weight += weight;
-            g.confidence += weight * light.trust;
+            *total += dense;
+            g.confidence += dense * light.trust;
         }
     };
     for_pairs(&batch, s, |id| prefetch(light, id), each);
@@ -197,11 +202,9 @@ fn gathers(
     });
     for (i, g) in gathered.iter_mut().enumerate() {
         if g.weight > 0.0 {
-            g.confidence /= g.weight;
-        }
-        if g.weight >= 1.0 {
-            g.irradiance /= g.weight;
-            g.weight = 1.0;
+            g.weight = g.weight.min(1.0);
+            g.irradiance *= g.weight / totals[i];
+            g.confidence /= totals[i];
         }
         if open[i] {
             g.average = average(&batch.points[i], batch.lists[i].ids, s, light);
