@@ -3,6 +3,7 @@ mod common;
 
 use common::{all_backends, render, settings};
 use gibs::compare::{CompareOptions, compare};
+use gibs::passes::frame::Settings;
 use gibs::picture::{FINAL_IMAGE, Picture};
 use gibs::{Renderer, builtin};
 
@@ -18,20 +19,19 @@ fn flip(a: &Picture, b: &Picture) -> f64 {
 
 /// FLIP between any two backends after 64 frames stays below 0.002, a bound far below the difference between two
 /// seeds, which is printed beside it.
-fn agree(name: &str, size: [u32; 2]) {
+fn agree(name: &str, size: [u32; 2], settings: &Settings) {
     let scene = builtin::by_name(name).expect("built in");
-    let settings = settings(8_000);
     let pictures: Vec<(String, Picture)> = all_backends()
         .iter()
         .map(|b| {
             (
                 b.name().to_string(),
-                render(b.as_ref(), &scene, size, 64, &settings, 0),
+                render(b.as_ref(), &scene, size, 64, settings, 0),
             )
         })
         .collect();
     let backend = common::cpu();
-    let other_seed = render(backend.as_ref(), &scene, size, 64, &settings, 1);
+    let other_seed = render(backend.as_ref(), &scene, size, 64, settings, 1);
     let seeds = flip(&other_seed, &pictures.last().expect("the CPU backend").1);
     println!("{name}: FLIP between two seeds {seeds:.5}");
     assert!(
@@ -52,13 +52,23 @@ fn agree(name: &str, size: [u32; 2]) {
 
 #[test]
 fn backends_agree_on_the_cornell_box() {
-    agree("cornell", [96, 96]);
+    agree("cornell", [96, 96], &settings(8_000));
+}
+
+/// The order of sorted rays comes from keys and ranks of its own.
+#[test]
+fn backends_agree_on_sorted_rays() {
+    let settings = Settings {
+        sorting: true,
+        ..settings(8_000)
+    };
+    agree("cornell", [96, 96], &settings);
 }
 
 /// Textures, cut-outs, instances, sun and sky.
 #[test]
 fn backends_agree_on_the_atrium() {
-    agree("atrium", [96, 54]);
+    agree("atrium", [96, 54], &settings(8_000));
 }
 
 /// A camera that backs away lets every surfel grow, and its depth function with it; one that comes near, the reverse.

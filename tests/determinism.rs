@@ -27,11 +27,26 @@ fn two_runs_give_the_same_bits() {
 /// checking mode no two workgroups of any stage write one element.
 #[test]
 fn threads_and_order_do_not_show() {
+    only_the_settings_show(&settings(4_000));
+}
+
+/// So it is where slots are short, rays are sorted, surfels are born at hits and lists do not fit.
+#[test]
+fn threads_and_order_do_not_show_under_pressure() {
+    only_the_settings_show(&Settings {
+        surfels: 200,
+        sorting: true,
+        hit_births: 64,
+        grid_lists: 2,
+        ..settings(4_000)
+    });
+}
+
+fn only_the_settings_show(settings: &Settings) {
     let scene = builtin::by_name("window-room").expect("built in");
-    let settings = settings(4_000);
     let with = |options: Options| {
         let backend = CpuBackend::new(options).expect("threads start");
-        render(&backend, &scene, [48, 27], 6, &settings, 3)
+        render(&backend, &scene, [48, 27], 6, settings, 3)
     };
     let one = with(Options {
         threads: Some(1),

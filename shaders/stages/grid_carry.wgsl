@@ -30,20 +30,14 @@ fn main(
         cells[cell] = vec2<u32>(LOOKUP_DROPPED, 0u);
         return;
     }
-    var left = count;
-    for (var i = 0u; i < old.y; i++) {
-        if gone[old_entries[old.x + i]] != 0u {
-            left -= 1u;
-        }
-    }
     var next = start;
     for (var i = 0u; i < old.y; i++) {
         let id = old_entries[old.x + i];
         if gone[id] == 0u {
             entries[next] = id;
-            entries[next + left] = old_entries[old.x + old.y + i];
+            entries[next + count] = old_entries[old.x + old.y + i];
             next += 1u;
         }
     }
-    cells[cell] = vec2<u32>(start, left);
+    cells[cell] = vec2<u32>(start, count);
 }

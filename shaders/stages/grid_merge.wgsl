@@ -1,7 +1,7 @@
 // New surfels at the end of each cell's list to where they belong, and the bounds.
 import package::bounds::{bounds_pack, bounds_steps_in};
 import package::invocation::invocation_index;
-import package::list_order::list_is_before;
+import package::list_order::{list_is_before, list_key, list_sort};
 import package::types::{GridShape, SurfelPose};
 
 @group(0) @binding(0) var<uniform> grid: GridShape;
@@ -22,18 +22,28 @@ fn main(
     }
     let start = cells[cell].x;
     let count = cells[cell].y;
-    for (var i = count - min(born[cell], count); i < count; i++) {
-        let moving = entries[start + i];
-        var j = i;
-        while j > 0u {
-            let other = entries[start + j - 1u];
-            if !list_is_before(moving, other) {
-                break;
-            }
-            entries[start + j] = other;
-            j -= 1u;
+    var new_ones = min(born[cell], count);
+    var old_ones = count - new_ones;
+    list_sort(start + old_ones, new_ones);
+    // Out of the way, to where their bounds will be; then the longer part moves up, and they come in from behind.
+    let aside = start + count;
+    for (var i = 0u; i < new_ones; i++) {
+        entries[aside + i] = entries[start + old_ones + i];
+    }
+    while new_ones > 0u {
+        let moving = entries[aside + new_ones - 1u];
+        let next = start + old_ones + new_ones - 1u;
+        var is_last = old_ones == 0u;
+        if !is_last {
+            is_last = !list_is_before(list_key(moving), moving, entries[start + old_ones - 1u]);
         }
-        entries[start + j] = moving;
+        if is_last {
+            entries[next] = moving;
+            new_ones -= 1u;
+        } else {
+            entries[next] = entries[start + old_ones - 1u];
+            old_ones -= 1u;
+        }
     }
     let steps = bounds_steps_in(cell, grid);
     for (var i = 0u; i < count; i++) {

@@ -2,7 +2,7 @@
 // is emptied.
 import package::bounds::{bounds_pack, bounds_steps_in};
 import package::invocation::invocation_index;
-import package::list_order::list_is_before;
+import package::list_order::list_sort;
 import package::lookup::LOOKUP_DROPPED;
 import package::types::{GridShape, SurfelPose};
 
@@ -33,22 +33,7 @@ fn main(
         return;
     }
     cells[cell] = vec2<u32>(start, count);
-    // Shell sort: in place, and fast enough for lists of tens to hundreds.
-    for (var gap = count / 2u; gap > 0u; gap = gap / 2u) {
-        for (var i = gap; i < count; i++) {
-            let moving = entries[start + i];
-            var j = i;
-            while j >= gap {
-                let other = entries[start + j - gap];
-                if !list_is_before(moving, other) {
-                    break;
-                }
-                entries[start + j] = other;
-                j -= gap;
-            }
-            entries[start + j] = moving;
-        }
-    }
+    list_sort(start, count);
     let steps = bounds_steps_in(cell, grid);
     for (var i = 0u; i < count; i++) {
         let pose = poses[entries[start + i]];

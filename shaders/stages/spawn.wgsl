@@ -1,4 +1,4 @@
-// New surfels from the G-buffer, each in the slot that its tile claimed.
+// New surfels from the G-buffer, each in the slot that its quarter of a tile claimed.
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::hash::hash_hash3;
 import package::invocation::invocation_index;

@@ -116,7 +116,6 @@ pub fn settings(rays: u32) -> Settings {
     Settings {
         rays,
         surfels: 8192,
-        sorting: true,
         ..Settings::default()
     }
 }

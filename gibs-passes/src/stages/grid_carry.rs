@@ -5,8 +5,8 @@ use glam::UVec2;
 
 stage! {
     /// Copies each cell's list, but for the surfels that are `gone` since, to where there is room behind for those that were
-    /// born: `counts` is how many it had, and those. A list that does not fit, or did not before, is empty, and its entries
-    /// are counted.
+    /// born: `counts` is how many stay, and those. A list that does not fit is empty, and its entries are counted; so is one
+    /// that did not fit before, until all lists are built again.
     pub stage GridCarry {
         wgsl: gibs_shaders::stages::GRID_CARRY,
         workgroup: [64, 1, 1],
@@ -36,13 +36,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         let (first, listed) = (old.x as usize, old.y as usize);
         let stays = |i: &usize| p.gone[p.old_entries[first + i] as usize] == 0;
-        let staying = (0..listed).filter(stays);
-        let left = count - (listed - staying.clone().count());
-        for (i, old) in staying.enumerate() {
+        for (i, old) in (0..listed).filter(stays).enumerate() {
             p.entries.set(start + i, p.old_entries[first + old]);
             let bounds = p.old_entries[first + listed + old];
-            p.entries.set(start + left + i, bounds);
+            p.entries.set(start + count + i, bounds);
         }
-        p.cells.set(cell, UVec2::new(start as u32, left as u32));
+        p.cells.set(cell, UVec2::new(start as u32, count as u32));
     }
 }

@@ -1,5 +1,5 @@
 //! `apply/inject_merge`: the lists of cells with new surfels, in order.
-use super::grid_order::{bounds_of, is_before};
+use super::grid_order::{bounds_of, is_before, sort};
 use crate::data::{GridShape, SurfelPose};
 use crate::shared::bounds;
 use gibs_graph::{Workgroup, stage};
@@ -30,18 +30,26 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let (start, count) = (p.cells[cell].x as usize, p.cells[cell].y as usize);
-        for i in count.saturating_sub(born)..count {
-            let moving = p.entries.get(start + i);
-            let mut j = i;
-            while j > 0 {
-                let other = p.entries.get(start + j - 1);
-                if !is_before(p.poses.slice(), moving, other) {
-                    break;
-                }
-                p.entries.set(start + j, other);
-                j -= 1;
+        let born = born.min(count);
+        let (first, aside) = (start + count - born, start + count);
+        sort(&p.entries, p.poses.slice(), first, born);
+        // Out of the way, to where their bounds will be; then the longer part moves up, and they come in from behind.
+        for i in 0..born {
+            p.entries.set(aside + i, p.entries.get(first + i));
+        }
+        let (mut old, mut new) = (count - born, born);
+        while new > 0 {
+            let moving = p.entries.get(aside + new - 1);
+            let is_last =
+                old == 0 || !is_before(p.poses.slice(), moving, p.entries.get(start + old - 1));
+            let next = start + old + new - 1;
+            if is_last {
+                p.entries.set(next, moving);
+                new -= 1;
+            } else {
+                p.entries.set(next, p.entries.get(start + old - 1));
+                old -= 1;
             }
-            p.entries.set(start + j, moving);
         }
         let steps = bounds::steps_in(cell as u32, p.grid);
         for i in 0..count {

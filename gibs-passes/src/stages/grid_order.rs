@@ -1,7 +1,7 @@
 //! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
 use crate::data::{GridShape, SurfelPose};
 use crate::shared::{bounds, hash, lists};
-use gibs_graph::{Workgroup, stage};
+use gibs_graph::{Workgroup, WriteView, stage};
 use glam::UVec2;
 
 stage! {
@@ -35,6 +35,27 @@ fn key(poses: &[SurfelPose], id: u32) -> (u32, u32) {
 #[inline]
 pub fn is_before(poses: &[SurfelPose], id: u32, other: u32) -> bool {
     key(poses, id) < key(poses, other)
+}
+
+/// Puts `count` entries from `start` on in order. Shell sort: in place, and fast enough for lists of tens to hundreds.
+pub fn sort(entries: &WriteView<'_, u32>, poses: &[SurfelPose], start: usize, count: usize) {
+    let mut gap = count / 2;
+    while gap > 0 {
+        for i in gap..count {
+            let moving = entries.get(start + i);
+            let mut j = i;
+            while j >= gap {
+                let other = entries.get(start + j - gap);
+                if !is_before(poses, moving, other) {
+                    break;
+                }
+                entries.set(start + j, other);
+                j -= gap;
+            }
+            entries.set(start + j, moving);
+        }
+        gap /= 2;
+    }
 }
 
 /// The bounds of a surfel in a list where a metre has so many steps.
@@ -90,24 +111,7 @@ fn order(p: &Views<'_>, cell: usize) {
         return;
     }
     p.cells.set(cell, UVec2::new(start as u32, count as u32));
-    // Shell sort: in place, and fast enough for lists of tens to hundreds.
-    let mut gap = count / 2;
-    while gap > 0 {
-        for i in gap..count {
-            let moving = p.entries.get(start + i);
-            let mut j = i;
-            while j >= gap {
-                let other = p.entries.get(start + j - gap);
-                if !is_before(p.poses.slice(), moving, other) {
-                    break;
-                }
-                p.entries.set(start + j, other);
-                j -= gap;
-            }
-            p.entries.set(start + j, moving);
-        }
-        gap /= 2;
-    }
+    sort(&p.entries, p.poses.slice(), start, count);
     let steps = bounds::steps_in(cell as u32, p.grid);
     for i in 0..count {
         let pose = &p.poses[p.entries.get(start + i) as usize];

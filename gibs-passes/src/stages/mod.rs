@@ -19,6 +19,7 @@ pub mod generate_rays;
 pub mod grid_carry;
 pub mod grid_count;
 pub mod grid_insert;
+pub mod grid_leave;
 pub mod grid_merge;
 pub mod grid_order;
 pub mod grid_scatter;
@@ -104,6 +105,7 @@ pub fn all() -> Vec<StageInfo> {
         info::<grid_carry::GridCarry>(),
         info::<grid_count::GridCount>(),
         info::<grid_insert::GridInsert>(),
+        info::<grid_leave::GridLeave>(),
         info::<grid_merge::GridMerge>(),
         info::<grid_order::GridOrder>(),
         info::<grid_scatter::GridScatter>(),

@@ -11,7 +11,7 @@ use glam::{UVec2, Vec3};
 
 stage! {
     /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with its normal,
-    /// its depth function at the diameter everywhere, no irradiance yet. Its identity is a hash of tile and frame.
+    /// its depth function at the diameter everywhere, no irradiance yet. Its identity is a hash of its quarter of a tile and of the frame.
     pub stage Spawn {
         wgsl: gibs_shaders::stages::SPAWN,
         workgroup: [64, 1, 1],

@@ -5,7 +5,7 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Pops the free stack for each tile with a candidate, by rank, so that no race decides; where there are too few
+    /// Pops the free stack for each quarter of a tile with a candidate, by rank, so that no race decides; where there are too few
     /// slots, the rank that is served first is drawn anew each frame, so that no part of the picture starves. `claims`
     /// is (slot, texel); the slot is `NONE` where no surfel is born or none is free.
     pub stage SpawnClaim {

@@ -100,7 +100,6 @@ pub(super) fn build_grid(
     let ordered = g.add::<grid_order::GridOrder>("persistent/grid_order", inputs, per_cell);
     Grid {
         shape,
-        counts,
         cells: ordered.cells,
         entries: ordered.entries,
         overflow: ordered.overflow,
@@ -116,7 +115,17 @@ pub(super) fn inject(
     gone: &Buffer<u32>,
     births: &[&Buffer<UVec2>],
 ) -> Grid {
-    let mut counts = grid.counts;
+    let listed = grid.cells.len();
+    let counts = g.transient("injected_counts", listed);
+    let inputs = grid_leave::Inputs {
+        gone,
+        cells: &grid.cells,
+        entries: &grid.entries,
+        counts,
+    };
+    let mut counts = g
+        .add::<grid_leave::GridLeave>("apply/inject_leave", inputs, Dispatch::Elements(listed))
+        .counts;
     for (label, claims) in numbered("apply/inject_count", births) {
         let inputs = grid_count::Inputs {
             grid: &grid.shape,
@@ -131,7 +140,6 @@ pub(super) fn inject(
     }
     let (starts, _) = exclusive_scan(g, "apply/inject_scan", &counts);
     let (cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
-    let listed = cells.len();
     let inputs = grid_carry::Inputs {
         gone,
         old_cells: &grid.cells,
@@ -171,7 +179,6 @@ pub(super) fn inject(
         .entries;
     Grid {
         shape: grid.shape,
-        counts,
         cells: carried.cells,
         entries,
         overflow: carried.overflow,

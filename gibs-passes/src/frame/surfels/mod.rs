@@ -180,8 +180,6 @@ struct Slots {
 /// The lists of the grid's cells.
 struct Grid {
     shape: Buffer<GridShape>,
-    /// Entries of each cell, whether or not they fit.
-    counts: Buffer<u32>,
     cells: Buffer<UVec2>,
     entries: Buffer<u32>,
     /// Entries that did not fit.

@@ -126,7 +126,7 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
 /// What is left of weights after the depth functions, and the mask of those that were above zero before.
 ///
 /// # Safety
-/// As [`for_near`].
+/// The processor has the features that the callers are compiled for.
 #[inline(always)]
 unsafe fn weighed(
     s: &Surfels<'_>,

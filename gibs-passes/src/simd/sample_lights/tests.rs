@@ -1,4 +1,5 @@
 //! Wide samples have the scalar ones' bits.
+use super::super::Avx2;
 use super::sample_lights;
 use crate::data::{Frame, Light, LightSample, NONE, Ray, SurfacePoint};
 use crate::shared::hash::{hash2, unit};
@@ -95,6 +96,10 @@ fn same(what: &str, [each, wide]: &[Samples; 2]) {
 
 #[test]
 fn wide_samples_are_the_scalar_ones() {
+    if Avx2::detect().is_none() {
+        eprintln!("not run: this processor has no AVX2");
+        return;
+    }
     let all: Vec<Light> = (0..61).map(light).collect();
     // Lights, and how many of them each point asks.
     for (count, each) in [
@@ -130,6 +135,10 @@ fn wide_samples_are_the_scalar_ones() {
 /// Ranges that no eight fits, that begin between a point's lights, and empty ones.
 #[test]
 fn ranges_need_not_be_whole_eights() {
+    if Avx2::detect().is_none() {
+        eprintln!("not run: this processor has no AVX2");
+        return;
+    }
     let lights: Vec<Light> = (0..5).map(light).collect();
     for each in [1, 3, 5] {
         let frame = Frame {

@@ -1,4 +1,5 @@
 //! Wide selections are the scalar ones.
+use super::super::Avx2;
 use super::select_pixels;
 use crate::data::{Camera, NONE, SurfacePoint};
 use crate::shared::hash::{hash2, unit};
@@ -44,6 +45,10 @@ fn point(i: u32, width: u32) -> SurfacePoint {
 
 #[test]
 fn wide_selections_are_the_scalar_ones() {
+    if Avx2::detect().is_none() {
+        eprintln!("not run: this processor has no AVX2");
+        return;
+    }
     for [width, height] in [
         [200, 101],
         [201, 100],

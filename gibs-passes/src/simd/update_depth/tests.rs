@@ -1,4 +1,5 @@
 //! Wide depth functions have the scalar ones' bits.
+use super::super::Avx2;
 use super::update_depth;
 use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose};
 use crate::shared::depth::UNKNOWN;
@@ -82,6 +83,10 @@ type Cells<'a> = &'a [Cell<SurfelDepth>];
 
 #[test]
 fn wide_depth_functions_are_the_scalar_ones() {
+    if Avx2::detect().is_none() {
+        eprintln!("not run: this processor has no AVX2");
+        return;
+    }
     let poses: Vec<SurfelPose> = (0..SURFELS).map(pose).collect();
     let irradiance: Vec<SurfelIrradiance> = (0..SURFELS)
         .map(|i| SurfelIrradiance {
