@@ -66,7 +66,7 @@ type Group = (&'static str, fn(&str) -> bool);
 
 const GROUPS: [Group; 4] = [
     ("grid", |step| {
-        step.contains("persistent/grid") || step.contains("apply/inject")
+        step.contains("persistent/grid") || step.contains("spawn/inject")
     }),
     ("apply", |step| step.contains("apply/lighting_apply")),
     ("integration", |step| step.starts_with("filtering/")),

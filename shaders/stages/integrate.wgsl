@@ -1,10 +1,10 @@
-// Rays into the irradiance of the surfels that they began on, and what the surfels say.
+// Rays into the irradiance of the surfels that they began on, and what the surfels say while no neighbours know better.
 import package::estimator::{estimator_forget, estimator_taken, estimator_update};
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
-import package::sharing::{SharingSaid, sharing_light, sharing_unpack};
+import package::sharing::{SharingSaid, sharing_light};
 import package::types::{
-    ClampedLight, Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
+    ClampedLight, Frame, GridShape, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -13,22 +13,12 @@ import package::types::{
 @group(0) @binding(3) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(4) var<storage, read> offsets: array<u32>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
-@if(neighbours) @group(0) @binding(6) var<storage, read> neighbours: array<Neighbours>;
-@group(0) @binding(7) var<storage, read> forget: array<vec2<f32>>;
-@group(0) @binding(8) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(9) var<storage, read_write> light: array<SurfelLight>;
-@if(clamped) @group(0) @binding(10) var<storage, read_write> clamped: array<ClampedLight>;
+@group(0) @binding(6) var<storage, read> forget: array<vec2<f32>>;
+@group(0) @binding(7) var<storage, read_write> irradiance: array<SurfelIrradiance>;
+@group(0) @binding(8) var<storage, read_write> light: array<SurfelLight>;
+@if(clamped) @group(0) @binding(9) var<storage, read_write> clamped: array<ClampedLight>;
 
 const PI: f32 = 3.1415927;
-
-@if(neighbours)
-fn said_around(surfel: u32) -> SharingSaid {
-    return sharing_unpack(neighbours[surfel]);
-}
-@else
-fn said_around(surfel: u32) -> SharingSaid {
-    return SharingSaid();
-}
 
 @if(clamped)
 fn report_clamped(surfel: u32, light: ClampedLight) {
@@ -71,5 +61,5 @@ fn main(
         irradiance[i] = state;
     }
     report_clamped(i, taken);
-    light[i] = sharing_light(state, frame.number - state.since, said_around(i));
+    light[i] = sharing_light(state, frame.number - state.since, SharingSaid());
 }

@@ -6,10 +6,10 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_mean_variance, sharing_pack
+    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
-    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings
+    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -22,6 +22,7 @@ import package::types::{
 @if(depths) @group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
 @group(0) @binding(8) var<storage, read> forget: array<vec2<f32>>;
 @group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
+@group(0) @binding(10) var<storage, read_write> light: array<SurfelLight>;
 
 @if(depths)
 fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -125,12 +126,15 @@ fn main(
         return;
     }
     let share = forget[grid_cell(pose.position, grid)].x;
-    if !sharing_is_due(i, state, share, frame.number) {
-        return;
+    if sharing_is_due(i, state, share, frame.number) {
+        if sharing_asks(state) {
+            neighbours[i] = sharing_pack(ask(i));
+        } else {
+            neighbours[i] = Neighbours();
+        }
     }
-    if sharing_asks(state) {
-        neighbours[i] = sharing_pack(ask(i));
-    } else {
-        neighbours[i] = Neighbours();
+    let said = sharing_unpack(neighbours[i]);
+    if said.trust > 0.0 {
+        light[i] = sharing_light(state, frame.number - state.since, said);
     }
 }

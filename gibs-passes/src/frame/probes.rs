@@ -128,7 +128,6 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             poses: &poses,
             offsets: &offsets,
             radiance: &shaded.radiance,
-            neighbours: None,
             forget: &forget,
             irradiance,
             light,

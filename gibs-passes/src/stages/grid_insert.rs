@@ -1,4 +1,4 @@
-//! `apply/inject_insert`: new surfels into the lists of their cells.
+//! `spawn/inject_insert`: new surfels into the lists of their cells.
 use crate::data::{GridShape, NONE, SurfelPose};
 use crate::shared::grid;
 use gibs_graph::{Workgroup, stage};

@@ -1,7 +1,6 @@
 //! `filtering/temporal`: rays into irradiance (I1, I3).
 use crate::data::{
-    ClampedLight, Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose,
-    SurfelSettings,
+    ClampedLight, Frame, GridShape, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
 use crate::shared::{estimator, grid, sharing};
 use crate::simd;
@@ -11,9 +10,9 @@ use std::f32::consts::PI;
 
 stage! {
     /// Feeds each surfel's mean of `pi * radiance` (the estimator of irradiance under `cos / pi`) to its multiscale
-    /// mean, after a share of what it knew is forgotten where the cell's light has changed, and finds what the surfel says:
-    /// that mean, and what its neighbours know better. Without rays, the mean is left as it is. Where `clamped` is bound,
-    /// it tells what the firefly clamp took.
+    /// mean, after a share of what it knew is forgotten where the cell's light has changed. Without rays, the mean is left as
+    /// it is. That mean is what the surfel says, while no neighbours know better. Where `clamped` is bound, it tells what the
+    /// firefly clamp took.
     pub stage Integrate {
         wgsl: gibs_shaders::stages::INTEGRATE,
         workgroup: [64, 1, 1],
@@ -24,7 +23,6 @@ stage! {
             read poses: SurfelPose,
             read offsets: u32,
             read radiance: Vec4,
-            optional_read neighbours: Neighbours,
             read forget: Vec2,
             read_write irradiance: SurfelIrradiance,
             write light: SurfelLight,
@@ -70,8 +68,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             p.clamped.set(i, clamped);
         }
         let age = p.frame.number.wrapping_sub(state.since);
-        let said = p.neighbours.get(i).map(sharing::Said::unpack);
         p.light
-            .set(i, sharing::light(&state, age, &said.unwrap_or_default()));
+            .set(i, sharing::light(&state, age, &sharing::Said::default()));
     }
 }

@@ -1,6 +1,7 @@
 //! `filtering/spatial`: irradiance of neighbouring surfels (I8).
 use crate::data::{
-    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings,
+    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose,
+    SurfelSettings,
 };
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup;
@@ -11,7 +12,8 @@ use glam::{UVec2, Vec2};
 
 stage! {
     /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup:
-    /// distance, normal and depth functions, of both (GIBS, "Irradiance Sharing").
+    /// distance, normal and depth functions, of both (GIBS, "Irradiance Sharing"), and finds what it says then: its own
+    /// mean, and what they know better.
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,
         workgroup: [64, 1, 1],
@@ -25,7 +27,8 @@ stage! {
             read irradiance: SurfelIrradiance,
             optional_read depths: SurfelDepth,
             read forget: Vec2,
-            write neighbours: Neighbours,
+            read_write neighbours: Neighbours,
+            write light: SurfelLight,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -83,15 +86,22 @@ fn share(
         (due[lane] && asks(i)).then(|| p.poses[i].position)
     });
     for ((own, list), due) in range.clone().zip(lists).zip(due) {
-        if !due {
+        if p.poses[own].radius <= 0.0 {
             continue;
         }
         let mut asked = sharing::Asked::default();
-        if asks(own) {
+        if due && asks(own) {
             neighbours(own, list, &surfels, states, &mut |id, weight| {
                 asked.add(&states[id], weight, age(id), id == own);
             });
         }
-        p.neighbours.set(own, asked.said().pack());
+        if due {
+            p.neighbours.set(own, asked.said().pack());
+        }
+        let said = sharing::Said::unpack(&p.neighbours.get(own));
+        if said.trust > 0.0 {
+            let light = sharing::light(&states[own], age(own), &said);
+            p.light.set(own, light);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Filtering of the surfels: over their neighbours (I8) and over time (I3).
+//! Filtering of the surfels: over time (I3) and over their neighbours (I8).
 use super::{Grid, Surfels};
 use crate::data::*;
 use crate::frame::{SceneInputs, Settings};
@@ -20,26 +20,6 @@ pub(super) fn filter(
 ) -> Surfels {
     let capacity = surfels.poses.len();
     let forget = forget(g, grid, &surfels.poses, &surfels.irradiance);
-    let neighbours = surfels.neighbours.map(|neighbours| {
-        let inputs = share_irradiance::Inputs {
-            frame: &scene.frame,
-            grid: &grid.shape,
-            settings: device_settings,
-            cells: &grid.cells,
-            entries: &grid.entries,
-            poses: &surfels.poses,
-            irradiance: &surfels.irradiance,
-            depths: surfels.depths.as_ref(),
-            forget: &forget,
-            neighbours,
-        };
-        g.add::<share_irradiance::ShareIrradiance>(
-            "filtering/spatial",
-            inputs,
-            Dispatch::Elements(capacity),
-        )
-        .neighbours
-    });
     let clamped = settings
         .clamp
         .then(|| g.transient("clamped_light", capacity));
@@ -52,7 +32,6 @@ pub(super) fn filter(
             poses: &surfels.poses,
             offsets,
             radiance,
-            neighbours: neighbours.as_ref(),
             forget: &forget,
             irradiance: surfels.irradiance,
             light: surfels.light,
@@ -68,9 +47,28 @@ pub(super) fn filter(
         g.output("clamped", &summed.total);
         g.keep(state, summed.total);
     }
+    let (mut light, mut neighbours) = (integrated.light, None);
+    if let Some(said) = surfels.neighbours {
+        let inputs = share_irradiance::Inputs {
+            frame: &scene.frame,
+            grid: &grid.shape,
+            settings: device_settings,
+            cells: &grid.cells,
+            entries: &grid.entries,
+            poses: &surfels.poses,
+            irradiance: &integrated.irradiance,
+            depths: surfels.depths.as_ref(),
+            forget: &forget,
+            neighbours: said,
+            light,
+        };
+        let all = Dispatch::Elements(capacity);
+        let shared = g.add::<share_irradiance::ShareIrradiance>("filtering/spatial", inputs, all);
+        (light, neighbours) = (shared.light, Some(shared.neighbours));
+    }
     Surfels {
         irradiance: integrated.irradiance,
-        light: integrated.light,
+        light,
         neighbours,
         ..surfels
     }

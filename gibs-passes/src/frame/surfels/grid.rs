@@ -106,40 +106,42 @@ pub(super) fn build_grid(
     }
 }
 
-/// The lists without the surfels that are gone and with those that were born since. What does not fit counts again.
+/// The lists without the surfels that are `gone`, and with those that were born since. What does not fit counts again. `label`
+/// begins the names of stages and buffers.
 pub(super) fn inject(
     g: &mut Graph,
     grid: Grid,
     frame: &SurfelFrame,
     poses: &Buffer<SurfelPose>,
-    gone: &Buffer<u32>,
-    births: &[&Buffer<UVec2>],
+    label: &str,
+    gone: Option<&Buffer<u32>>,
+    claims: &Buffer<UVec2>,
 ) -> Grid {
     let listed = grid.cells.len();
-    let counts = g.transient("injected_counts", listed);
+    let named = |name: &str| format!("{label}_{name}");
+    let counts = g.transient(&named("counts"), listed);
     let inputs = grid_leave::Inputs {
         gone,
         cells: &grid.cells,
         entries: &grid.entries,
         counts,
     };
-    let mut counts = g
-        .add::<grid_leave::GridLeave>("apply/inject_leave", inputs, Dispatch::Elements(listed))
+    let cells = || Dispatch::Elements(listed);
+    let places = || Dispatch::Elements(claims.len());
+    let counts = g
+        .add::<grid_leave::GridLeave>(&named("leave"), inputs, cells())
         .counts;
-    for (label, claims) in numbered("apply/inject_count", births) {
-        let inputs = grid_count::Inputs {
-            grid: &grid.shape,
-            poses,
-            claims: Some(claims),
-            counts,
-        };
-        let places = Dispatch::Elements(claims.len());
-        counts = g
-            .add::<grid_count::GridCount>(&label, inputs, places)
-            .counts;
-    }
-    let (starts, _) = exclusive_scan(g, "apply/inject_scan", &counts);
-    let (cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
+    let inputs = grid_count::Inputs {
+        grid: &grid.shape,
+        poses,
+        claims: Some(claims),
+        counts,
+    };
+    let counts = g
+        .add::<grid_count::GridCount>(&named("count"), inputs, places())
+        .counts;
+    let (starts, _) = exclusive_scan(g, &named("scan"), &counts);
+    let (new_cells, entries) = empty_lists(g, label, frame.grid, &frame.settings);
     let inputs = grid_carry::Inputs {
         gone,
         old_cells: &grid.cells,
@@ -147,35 +149,28 @@ pub(super) fn inject(
         starts: &starts,
         counts: &counts,
         entries,
-        cells,
+        cells: new_cells,
         overflow: grid.overflow,
     };
-    let carried =
-        g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, Dispatch::Elements(listed));
-    let mut born = g.zeroed("injected", listed);
-    let mut entries = carried.entries;
-    for (label, claims) in numbered("apply/inject_insert", births) {
-        let inputs = grid_insert::Inputs {
-            grid: &grid.shape,
-            poses,
-            claims,
-            cells: &carried.cells,
-            born,
-            entries,
-        };
-        let places = Dispatch::Elements(claims.len());
-        let inserted = g.add::<grid_insert::GridInsert>(&label, inputs, places);
-        (born, entries) = (inserted.born, inserted.entries);
-    }
+    let carried = g.add::<grid_carry::GridCarry>(&named("carry"), inputs, cells());
+    let inputs = grid_insert::Inputs {
+        grid: &grid.shape,
+        poses,
+        claims,
+        cells: &carried.cells,
+        born: g.zeroed(&named("born"), listed),
+        entries: carried.entries,
+    };
+    let inserted = g.add::<grid_insert::GridInsert>(&named("insert"), inputs, places());
     let inputs = grid_merge::Inputs {
         grid: &grid.shape,
         poses,
         cells: &carried.cells,
-        born: &born,
-        entries,
+        born: &inserted.born,
+        entries: inserted.entries,
     };
     let entries = g
-        .add::<grid_merge::GridMerge>("apply/inject_merge", inputs, Dispatch::Elements(listed))
+        .add::<grid_merge::GridMerge>(&named("merge"), inputs, cells())
         .entries;
     Grid {
         shape: grid.shape,
@@ -183,12 +178,4 @@ pub(super) fn inject(
         entries,
         overflow: carried.overflow,
     }
-}
-
-/// A label for each, which says which one from the second on.
-fn numbered<'a, T>(label: &str, all: &'a [T]) -> impl Iterator<Item = (String, &'a T)> {
-    all.iter().enumerate().map(move |(i, one)| match i {
-        0 => (label.to_string(), one),
-        _ => (format!("{label}_{i}"), one),
-    })
 }

@@ -230,6 +230,8 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         slots.counters,
         &slots.free,
     );
+    let label = "spawn/inject";
+    let grid = grid::inject(g, grid, frame, &surfels.poses, label, Some(&gone), &claims);
     let (surfels, ray_offsets, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
@@ -245,7 +247,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
     });
 
-    let (surfels, counters_last, claims_at_hits) = match hit_gaps {
+    let (surfels, counters_last, grid) = match hit_gaps {
         Some(gaps) => {
             let (surfels, counters, claims) = spawn::bear(
                 g,
@@ -259,14 +261,14 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
                 counters_last,
                 &slots.free,
             );
-            (surfels, counters, Some(claims))
+            let poses = &surfels.poses;
+            let grid = grid::inject(g, grid, frame, poses, "spawn/hit_inject", None, &claims);
+            (surfels, counters, grid)
         }
-        None => (surfels, counters_last, None),
+        None => (surfels, counters_last, grid),
     };
 
     // Apply
-    let births: Vec<_> = [&claims].into_iter().chain(&claims_at_hits).collect();
-    let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &births);
     let lit = screen::apply(
         g,
         &scene,
