@@ -98,9 +98,8 @@ fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
     );
 }
 
-/// With slots for one view only, a cut to another place recycles the old surfels: the new place gets nearly as much light as
-/// in a renderer that saw nothing else. What both places see keeps the sizes that it learned for the first, and so covers
-/// less, when there is no slot to fill up between: 6 % less coverage and 3.3 % less light, measured.
+/// With slots for one view only, a cut to another place recycles the old surfels: the new place gets as much light as
+/// in a renderer that saw nothing else. Surfels that both places see are too close together in one of them, and thin out.
 #[test]
 fn a_cut_to_another_place_reuses_the_slots() {
     let (scene, view) = builtin::by_name("atrium").expect("built in");
@@ -153,8 +152,8 @@ fn a_cut_to_another_place_reuses_the_slots() {
         }
     }
     println!("mean coverage and E {after:.4?}, without a cut {expected:.4?}");
-    assert!(after[0] > 0.92 * expected[0]);
-    assert!((after[1] / expected[1] - 1.0).abs() < 0.05);
+    assert!(after[0] > 0.95 * expected[0]);
+    assert!((after[1] / expected[1] - 1.0).abs() < 0.03);
 }
 
 /// The Cornell box's camera, so many metres farther back.

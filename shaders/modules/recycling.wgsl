@@ -16,6 +16,8 @@ const RECYCLING_PRESSED: f32 = 1.0 / 4.0;
 const RECYCLING_FAR: f32 = 32.0;
 /// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
 const RECYCLING_CROWDED: f32 = 4.0;
+/// The same when all slots are in use.
+const RECYCLING_CROWDED_PRESSED: f32 = 1.0;
 /// Chance per frame of a surfel in a crowd of twice that, or more.
 const RECYCLING_THINNING: f32 = 0.5;
 /// Frames in one of which a surfel looks around for a crowd.
@@ -34,7 +36,8 @@ fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
     let pressure = clamp((used - RECYCLING_EASE) / (1.0 - RECYCLING_EASE), 0.0, 1.0);
     let squared = pressure * pressure;
     let fourth = squared * squared;
-    let crowd = clamp((others - RECYCLING_CROWDED) / RECYCLING_CROWDED, 0.0, 1.0) * RECYCLING_THINNING;
+    let limit = RECYCLING_CROWDED + (RECYCLING_CROWDED_PRESSED - RECYCLING_CROWDED) * fourth;
+    let crowd = clamp((others - limit) / limit, 0.0, 1.0) * RECYCLING_THINNING;
     let patience = f32(RECYCLING_PATIENCE) - f32(RECYCLING_PATIENCE - RECYCLING_LEAST_PATIENCE) * pressure;
     if f32(unseen) < patience {
         return crowd;

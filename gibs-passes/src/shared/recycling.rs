@@ -21,8 +21,12 @@ pub const PRESSED: f32 = 1.0 / 4.0;
 /// Distance, over the half size of the grid's centre cube, at which an unseen surfel goes twice as soon as one close by.
 pub const FAR: f32 = 32.0;
 
-/// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many.
+/// Coverage by others, over the coverage at which spawning stops, from which on a surfel is one too many, while nothing
+/// presses.
 pub const CROWDED: f32 = 4.0;
+
+/// The same when all slots are in use: there are gaps then that no surfel is left for.
+pub const CROWDED_PRESSED: f32 = 1.0;
 
 /// Frames in one of which a surfel looks around for a crowd, since looking costs a lookup.
 pub const LOOKS_EVERY: u32 = 8;
@@ -48,7 +52,8 @@ pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
     let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);
     let squared = pressure * pressure;
     let fourth = squared * squared;
-    let crowd = ((others - CROWDED) / CROWDED).clamp(0.0, 1.0) * THINNING;
+    let limit = CROWDED + (CROWDED_PRESSED - CROWDED) * fourth;
+    let crowd = ((others - limit) / limit).clamp(0.0, 1.0) * THINNING;
     let patience = PATIENCE as f32 - (PATIENCE - LEAST_PATIENCE) as f32 * pressure;
     if (unseen as f32) < patience {
         return crowd;
@@ -64,9 +69,13 @@ mod tests {
 
     #[test]
     fn what_is_seen_and_not_crowded_stays() {
-        for (used, least) in [(0.0, PATIENCE), (0.5, PATIENCE), (1.0, LEAST_PATIENCE)] {
+        for (used, least, crowded) in [
+            (0.0, PATIENCE, CROWDED),
+            (0.5, PATIENCE, CROWDED),
+            (1.0, LEAST_PATIENCE, CROWDED_PRESSED),
+        ] {
             for distance in [0.0, 1.0, 1e6] {
-                assert_eq!(chance(used, least - 1, distance, CROWDED), 0.0);
+                assert_eq!(chance(used, least - 1, distance, crowded), 0.0);
                 assert!(chance(used, least, distance, 0.0) > 0.0);
             }
         }
@@ -83,6 +92,15 @@ mod tests {
         assert!(chance(0.9, 100, 10.0, 0.0) > base, "fewer free slots");
         assert!(chance(0.6, 100, 20.0, 0.0) > base, "farther away");
         assert!(chance(0.6, 100, 10.0, 100.0) > base, "crowded");
+        assert_eq!(
+            chance(0.0, 0, 0.0, 3.0),
+            0.0,
+            "not crowded while there is room"
+        );
+        assert!(
+            chance(1.0, 0, 0.0, 1.5) > 0.0,
+            "crowded where there is none"
+        );
         assert!(chance(0.6, LEAST_PATIENCE, 10.0, 0.0) < base, "just seen");
     }
 
