@@ -22,8 +22,8 @@ fn left<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
 fn check(renderer: &mut Renderer, place: &str) -> usize {
     let shape: GridShape = left(renderer, "grid")[0];
     let poses: Vec<SurfelPose> = left(renderer, "surfel_poses");
-    let cells: Vec<UVec2> = left(renderer, "spawn/hit_inject_cells");
-    let entries: Vec<u32> = left(renderer, "spawn/hit_inject_entries");
+    let cells: Vec<UVec2> = left(renderer, "injected_cells");
+    let entries: Vec<u32> = left(renderer, "injected_entries");
     let mut expected: BTreeMap<u32, Vec<(u32, u32)>> = BTreeMap::new();
     for (id, pose) in (0..).zip(&poses).filter(|(_, pose)| pose.radius > 0.0) {
         grid::overlapped(pose, &shape, |cell| {
@@ -100,7 +100,6 @@ fn lists_are_those_of_the_surfels_that_live() {
     let settings = Settings {
         surfels: 1024,
         queries: 1,
-        hit_births: 64,
         grid_lists: 64,
         ..settings(2000)
     };
@@ -116,7 +115,6 @@ fn lists_that_fit_are_whole_where_others_do_not() {
     let settings = Settings {
         surfels: 1024,
         queries: 1,
-        hit_births: 64,
         grid_lists: 2,
         ..settings(2000)
     };

@@ -2,7 +2,7 @@
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_DROPPED;
 
-@if(gone) @group(0) @binding(0) var<storage, read> gone: array<u32>;
+@group(0) @binding(0) var<storage, read> gone: array<u32>;
 @group(0) @binding(1) var<storage, read> old_cells: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> old_entries: array<u32>;
 @group(0) @binding(3) var<storage, read> starts: array<u32>;
@@ -10,15 +10,6 @@ import package::lookup::LOOKUP_DROPPED;
 @group(0) @binding(5) var<storage, read_write> entries: array<u32>;
 @group(0) @binding(6) var<storage, read_write> cells: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> overflow: array<atomic<u32>>;
-
-@if(gone)
-fn stays(id: u32) -> bool {
-    return gone[id] == 0u;
-}
-@else
-fn stays(id: u32) -> bool {
-    return true;
-}
 
 @compute @workgroup_size(64)
 fn main(
@@ -42,7 +33,7 @@ fn main(
     var next = start;
     for (var i = 0u; i < old.y; i++) {
         let id = old_entries[old.x + i];
-        if stays(id) {
+        if gone[id] == 0u {
             entries[next] = id;
             entries[next + count] = old_entries[old.x + old.y + i];
             next += 1u;

@@ -2,19 +2,10 @@
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_DROPPED;
 
-@if(gone) @group(0) @binding(0) var<storage, read> gone: array<u32>;
+@group(0) @binding(0) var<storage, read> gone: array<u32>;
 @group(0) @binding(1) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> entries: array<u32>;
 @group(0) @binding(3) var<storage, read_write> counts: array<u32>;
-
-@if(gone)
-fn stays(id: u32) -> bool {
-    return gone[id] == 0u;
-}
-@else
-fn stays(id: u32) -> bool {
-    return true;
-}
 
 @compute @workgroup_size(64)
 fn main(
@@ -30,7 +21,7 @@ fn main(
     var staying = 0u;
     if list.x != LOOKUP_DROPPED {
         for (var i = list.x; i < list.x + list.y; i++) {
-            if stays(entries[i]) {
+            if gone[entries[i]] == 0u {
                 staying += 1u;
             }
         }

@@ -257,3 +257,6 @@ pub fn gather(
     g.average /= average_weight.max(AVERAGE_LEAST);
     g
 }
+
+#[cfg(test)]
+mod tests;

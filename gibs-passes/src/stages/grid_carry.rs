@@ -4,14 +4,14 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Copies each cell's list, but for the surfels that are `gone` since, if any, to where there is room behind for those that were
+    /// Copies each cell's list, but for the surfels that are `gone` since, to where there is room behind for those that were
     /// born: `counts` is how many stay, and those. A list that does not fit is empty, and its entries are counted; so is one
     /// that did not fit before, until all lists are built again.
     pub stage GridCarry {
         wgsl: gibs_shaders::stages::GRID_CARRY,
         workgroup: [64, 1, 1],
         ports: {
-            optional_read gone: u32,
+            read gone: u32,
             read old_cells: UVec2,
             read old_entries: u32,
             read starts: u32,
@@ -35,10 +35,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             continue;
         }
         let (first, listed) = (old.x as usize, old.y as usize);
-        let stays = |i: &usize| {
-            let gone = p.gone.get(p.old_entries[first + i] as usize);
-            gone.is_none_or(|&gone| gone == 0)
-        };
+        let stays = |i: &usize| p.gone[p.old_entries[first + i] as usize] == 0;
         for (i, old) in (0..listed).filter(stays).enumerate() {
             p.entries.set(start + i, p.old_entries[first + old]);
             let bounds = p.old_entries[first + listed + old];

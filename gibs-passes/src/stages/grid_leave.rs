@@ -4,12 +4,12 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Counts the surfels of each cell's list that are not `gone` since; without `gone`, all stay. A list that was dropped has none, and takes no room.
+    /// Counts the surfels of each cell's list that are not `gone` since. A list that was dropped has none, and takes no room.
     pub stage GridLeave {
         wgsl: gibs_shaders::stages::GRID_LEAVE,
         workgroup: [64, 1, 1],
         ports: {
-            optional_read gone: u32,
+            read gone: u32,
             read cells: UVec2,
             read entries: u32,
             write counts: u32,
@@ -25,11 +25,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let stays = match list {
             lists::DROPPED => 0,
             _ => (list.x..list.x + list.y)
-                .filter(|&i| {
-                    p.gone
-                        .get(p.entries[i as usize] as usize)
-                        .is_none_or(|&gone| gone == 0)
-                })
+                .filter(|&i| p.gone[p.entries[i as usize] as usize] == 0)
                 .count() as u32,
         };
         p.counts.set(cell, stays);

@@ -106,20 +106,17 @@ pub(super) fn build_grid(
     }
 }
 
-/// The lists without the surfels that are `gone`, and with those that were born since. What does not fit counts again. `label`
-/// begins the names of stages and buffers.
+/// The lists without the surfels that are `gone` and with those that were born since. What does not fit counts again.
 pub(super) fn inject(
     g: &mut Graph,
     grid: Grid,
     frame: &SurfelFrame,
     poses: &Buffer<SurfelPose>,
-    label: &str,
-    gone: Option<&Buffer<u32>>,
+    gone: &Buffer<u32>,
     claims: &Buffer<UVec2>,
 ) -> Grid {
     let listed = grid.cells.len();
-    let named = |name: &str| format!("{label}_{name}");
-    let counts = g.transient(&named("counts"), listed);
+    let counts = g.transient("injected_counts", listed);
     let inputs = grid_leave::Inputs {
         gone,
         cells: &grid.cells,
@@ -129,7 +126,7 @@ pub(super) fn inject(
     let cells = || Dispatch::Elements(listed);
     let places = || Dispatch::Elements(claims.len());
     let counts = g
-        .add::<grid_leave::GridLeave>(&named("leave"), inputs, cells())
+        .add::<grid_leave::GridLeave>("spawn/inject_leave", inputs, cells())
         .counts;
     let inputs = grid_count::Inputs {
         grid: &grid.shape,
@@ -138,10 +135,10 @@ pub(super) fn inject(
         counts,
     };
     let counts = g
-        .add::<grid_count::GridCount>(&named("count"), inputs, places())
+        .add::<grid_count::GridCount>("spawn/inject_count", inputs, places())
         .counts;
-    let (starts, _) = exclusive_scan(g, &named("scan"), &counts);
-    let (new_cells, entries) = empty_lists(g, label, frame.grid, &frame.settings);
+    let (starts, _) = exclusive_scan(g, "spawn/inject_scan", &counts);
+    let (new_cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
     let inputs = grid_carry::Inputs {
         gone,
         old_cells: &grid.cells,
@@ -152,16 +149,16 @@ pub(super) fn inject(
         cells: new_cells,
         overflow: grid.overflow,
     };
-    let carried = g.add::<grid_carry::GridCarry>(&named("carry"), inputs, cells());
+    let carried = g.add::<grid_carry::GridCarry>("spawn/inject_carry", inputs, cells());
     let inputs = grid_insert::Inputs {
         grid: &grid.shape,
         poses,
         claims,
         cells: &carried.cells,
-        born: g.zeroed(&named("born"), listed),
+        born: g.zeroed("injected", listed),
         entries: carried.entries,
     };
-    let inserted = g.add::<grid_insert::GridInsert>(&named("insert"), inputs, places());
+    let inserted = g.add::<grid_insert::GridInsert>("spawn/inject_insert", inputs, places());
     let inputs = grid_merge::Inputs {
         grid: &grid.shape,
         poses,
@@ -170,7 +167,7 @@ pub(super) fn inject(
         entries: inserted.entries,
     };
     let entries = g
-        .add::<grid_merge::GridMerge>(&named("merge"), inputs, cells())
+        .add::<grid_merge::GridMerge>("spawn/inject_merge", inputs, cells())
         .entries;
     Grid {
         shape: grid.shape,

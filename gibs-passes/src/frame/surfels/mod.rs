@@ -230,8 +230,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         slots.counters,
         &slots.free,
     );
-    let label = "spawn/inject";
-    let grid = grid::inject(g, grid, frame, &surfels.poses, label, Some(&gone), &claims);
+    let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &claims);
     let (surfels, ray_offsets, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
@@ -247,9 +246,10 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
     });
 
-    let (surfels, counters_last, grid) = match hit_gaps {
+    // These have no rays yet, so that nobody asks for them before the lists are built again.
+    let (surfels, counters_last) = match hit_gaps {
         Some(gaps) => {
-            let (surfels, counters, claims) = spawn::bear(
+            let (surfels, counters, _) = spawn::bear(
                 g,
                 &scene,
                 &grid,
@@ -261,11 +261,9 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
                 counters_last,
                 &slots.free,
             );
-            let poses = &surfels.poses;
-            let grid = grid::inject(g, grid, frame, poses, "spawn/hit_inject", None, &claims);
-            (surfels, counters, grid)
+            (surfels, counters)
         }
-        None => (surfels, counters_last, grid),
+        None => (surfels, counters_last),
     };
 
     // Apply
