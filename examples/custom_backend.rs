@@ -206,6 +206,11 @@ impl Executable for Run {
     }
 
     fn run(&mut self) -> Result<(), BackendError> {
+        self.rotate()?;
+        (0..self.schedule.steps.len()).try_for_each(|i| self.step(i))
+    }
+
+    fn rotate(&mut self) -> Result<(), BackendError> {
         for (slot, resource) in self.slots.iter_mut().zip(&self.schedule.resources) {
             // A history's new value starts undefined, and so does what lives for a frame; images are the host's.
             if let Kind::History(_) = resource.kind {
@@ -216,7 +221,7 @@ impl Executable for Run {
                 slot.memory[0].fill(Line([0xcd; 64]));
             }
         }
-        (0..self.schedule.steps.len()).try_for_each(|i| self.step(i))
+        Ok(())
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {

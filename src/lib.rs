@@ -42,6 +42,7 @@ pub mod backends;
 pub mod bench;
 pub mod builtin;
 mod channels;
+pub mod check;
 pub mod cli;
 pub mod compare;
 mod counters;

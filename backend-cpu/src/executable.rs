@@ -41,9 +41,7 @@ impl CpuExecutable {
 
     /// Runs the steps of a frame, on a thread of the pool.
     fn frame(&mut self) -> Result<(), BackendError> {
-        for allocation in &mut self.allocations {
-            allocation.rotate();
-        }
+        self.rotate()?;
         self.next_times.clear();
         for step in 0..self.schedule.steps.len() {
             let start = self.measure.then(Instant::now);
@@ -114,6 +112,11 @@ impl Executable for CpuExecutable {
     fn run(&mut self) -> Result<(), BackendError> {
         let shared = Arc::clone(&self.shared);
         shared.pool.install(|| self.frame())
+    }
+
+    fn rotate(&mut self) -> Result<(), BackendError> {
+        self.allocations.iter_mut().for_each(Allocation::rotate);
+        Ok(())
     }
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {

@@ -199,6 +199,11 @@ impl Executable for VulkanExecutable {
         Ok(())
     }
 
+    fn rotate(&mut self) -> Result<(), BackendError> {
+        self.parity = 1 - self.parity;
+        Ok(())
+    }
+
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
         check_step(&self.schedule, step)?;
         self.resolve(self.parity)?;

@@ -153,6 +153,11 @@ impl Executable for WgpuExecutable {
         self.submit(Self::record_frame)
     }
 
+    fn rotate(&mut self) -> Result<(), BackendError> {
+        self.parity = self.parity.other();
+        Ok(())
+    }
+
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
         check_step(&self.schedule, step)?;
         self.steps.bind(&self.context, &mut self.stores)?;

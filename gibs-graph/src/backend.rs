@@ -53,6 +53,13 @@ pub trait Executable: Any + Send {
     /// The device failed.
     fn run(&mut self) -> Result<(), BackendError>;
 
+    /// Begins a frame that is run step by step, with [`Executable::run_step`]: histories make the value of the last frame
+    /// that of the frame before, as [`Executable::run`] does before its first step.
+    ///
+    /// # Errors
+    /// As [`Executable::run`].
+    fn rotate(&mut self) -> Result<(), BackendError>;
+
     /// Runs one step of the frame alone, without clearing or rotating anything else. For lockstep checks.
     ///
     /// # Errors

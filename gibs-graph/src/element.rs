@@ -3,7 +3,7 @@
 //! The layout is derived from the Rust type (`offset_of!`), never written twice, and is what the reflection of a
 //! stage's WGSL is compared with.
 use bytemuck::Pod;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Plain data that stages exchange.
@@ -15,7 +15,7 @@ pub trait Element: Pod + Send + Sync + 'static {
 }
 
 /// Layout of a type that host and device share. Sizes and offsets are in bytes.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Layout {
     /// One 32-bit number.
@@ -43,7 +43,7 @@ pub enum Layout {
 }
 
 /// A member of a struct.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Field {
     /// Name, the same in Rust and WGSL.
     pub name: String,
@@ -54,7 +54,7 @@ pub struct Field {
 }
 
 /// 32-bit scalar types, all that WebGPU guarantees in storage buffers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Scalar {
     /// `f32`.

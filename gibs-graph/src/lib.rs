@@ -9,8 +9,14 @@
 //! This crate knows no device, no shader tool and no rendering: kernels are data ([`KernelSource`]), and shaders are
 //! checked through the [`ShaderCompiler`] trait.
 #![warn(missing_docs)]
+// What the macros of this crate write names it, also in its own tests.
+#[cfg(test)]
+extern crate self as gibs_graph;
+
 mod backend;
 mod capabilities;
+pub mod check;
+mod comparator;
 mod compile;
 mod declare;
 mod element;
@@ -37,6 +43,7 @@ pub use backend::{
     lent, unknown_step,
 };
 pub use capabilities::Capabilities;
+pub use comparator::{Comparator, Floats, Lists, Order, Ports};
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, groups_for};
@@ -49,7 +56,7 @@ pub use port::{Access, Port};
 pub use recorder::Recorder;
 pub use schedule::{ImageShape, Output, Resource, ResourceId, Schedule, Usage};
 pub use shader::ShaderCompiler;
-pub use stage::{Stage, next_view};
+pub use stage::{Stage, StageInfo, next_view};
 pub use step::{Action, Binding, DispatchSize, DispatchStep, Hazard, HazardKind, Step, features};
 pub use texel::{
     Float, ImageFormat, Rgba8Unorm, Rgba16Float, Rgba32Float, Sampled, Stored, Texel, Uint,

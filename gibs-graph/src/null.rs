@@ -165,12 +165,17 @@ impl Executable for NullExecutable {
     }
 
     fn run(&mut self) -> Result<(), BackendError> {
+        self.rotate()?;
+        (0..self.schedule.steps.len()).for_each(|step| self.step(step));
+        Ok(())
+    }
+
+    fn rotate(&mut self) -> Result<(), BackendError> {
         for (content, resource) in self.contents.iter_mut().zip(&self.schedule.resources) {
             if let Kind::History(_) = resource.kind {
                 std::mem::swap(&mut content.current, &mut content.previous);
             }
         }
-        (0..self.schedule.steps.len()).for_each(|step| self.step(step));
         Ok(())
     }
 

@@ -1,9 +1,9 @@
 //! Ports: how a stage touches a resource.
-use crate::{ImageFormat, Layout};
-use serde::Serialize;
+use crate::{Comparator, ImageFormat, Layout};
+use serde::{Deserialize, Serialize};
 
 /// One port of a stage. Everything else about the binding follows from it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Port {
     /// Name, also that of the WGSL global.
@@ -16,10 +16,12 @@ pub struct Port {
     pub image: Option<ImageFormat>,
     /// Only some frames bind it; where one does, its name is a feature of the device kernel.
     pub optional: bool,
+    /// How what the stage writes is compared between backends.
+    pub comparator: Comparator,
 }
 
 /// How a stage touches a resource.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Access {
     /// First element, through `var<uniform>`.
@@ -60,7 +62,13 @@ impl Port {
             element,
             image,
             optional,
+            comparator: Comparator::ROUNDING,
         }
+    }
+
+    /// The same, compared in another way.
+    pub fn compared(self, comparator: Comparator) -> Self {
+        Self { comparator, ..self }
     }
 }
 

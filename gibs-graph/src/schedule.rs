@@ -1,7 +1,7 @@
 //! A compiled frame: plain data that any backend can run.
 use crate::step::{Action, DispatchStep, Step};
 use crate::{ImageFormat, Kind, Layout};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 /// Index of a resource in [`Schedule::resources`].
@@ -51,7 +51,7 @@ pub struct Resource {
 }
 
 /// Size and texels of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImageShape {
     /// How devices see it.
     pub format: ImageFormat,

@@ -23,6 +23,28 @@ pub trait Stage {
     fn bind(recorder: &mut Recorder<'_>, inputs: Self::Inputs<'_>) -> Self::Outputs;
 }
 
+/// What a stage declares, without its type: for code that walks stages, or finds one by its name.
+#[derive(Clone, Debug)]
+pub struct StageInfo {
+    /// Type name.
+    pub name: &'static str,
+    /// Ports.
+    pub ports: Vec<Port>,
+    /// Kernels.
+    pub kernel: KernelSource,
+}
+
+impl StageInfo {
+    /// That of a stage.
+    pub fn of<S: Stage>() -> Self {
+        Self {
+            name: S::NAME,
+            ports: S::ports(),
+            kernel: S::kernel(),
+        }
+    }
+}
+
 /// Declares a stage: its ports, its device kernel and its CPU kernel.
 ///
 /// Generates, in the module that calls it: the marker type, `Inputs<'g>` (handles that go in), `Outputs` (versions
@@ -33,6 +55,9 @@ pub trait Stage {
 /// A port that only some frames need is `optional_read`, `optional_write` or `optional_read_write`: its handle is an
 /// `Option`. Where it is `None`, the stage has no binding for it, the CPU kernel's view is empty, and the device kernel
 /// is composed without the feature of the port's name: put `@if(name)` before the global and what uses it.
+///
+/// `=>` behind the type of a port that is written names the [`Comparator`](crate::Comparator) that backends are held to,
+/// where it is not [`Comparator::ROUNDING`](crate::Comparator::ROUNDING): `write order: u32 => IN_ANY_ORDER`.
 ///
 /// ```
 /// use gibs_graph::{stage, Dispatch, Graph, WgslSource, Workgroup};
@@ -100,7 +125,7 @@ macro_rules! stage {
         pub stage $name:ident {
             wgsl: $wgsl:expr,
             workgroup: $workgroup:expr,
-            ports: { $($access:ident $port:ident : $ty:ty),* $(,)? },
+            ports: { $($access:ident $port:ident : $ty:ty $(=> $comparator:expr)?),* $(,)? },
             cpu: $cpu:path,
             wide: $wide:expr $(,)?
         }
@@ -148,7 +173,7 @@ macro_rules! stage {
                     $crate::__stage_element!($access $ty),
                     $crate::__stage_image!($access $ty),
                     $crate::__stage_optional!($access),
-                ),)*]
+                )$(.compared($comparator))?,)*]
             }
 
             fn kernel() -> $crate::KernelSource {

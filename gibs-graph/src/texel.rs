@@ -2,7 +2,7 @@
 use crate::{Element, Layout};
 use glam::{UVec4, Vec4};
 use half::f16;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The texels of an image, as a type. Kernels see [`Texel::Value`]s, whatever the format in memory is.
 pub trait Texel: Send + Sync + 'static {
@@ -22,7 +22,7 @@ pub trait Stored: Texel {
 }
 
 /// How devices see an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum ImageFormat {
     /// `texture_2d<f32>`: any format of floats or normalized integers that can be sampled, depth included.

@@ -2,6 +2,7 @@
 use crate::RenderError;
 use crate::backends::UnknownBackend;
 use crate::bench::BenchError;
+use crate::check::{CaptureError, CheckError};
 use crate::cli::compare::CompareCommandError;
 use crate::compare::CompareError;
 use crate::gltf_import::ImportError;
@@ -111,6 +112,51 @@ pub enum CommandError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Backends differ, or the check is not what it should be.
+    #[error(
+        "the check failed: {differences} differences, {gaps} places that were not looked at, {unmet} expected differences \
+         that did not come"
+    )]
+    Check {
+        /// Ports at which a pair of backends differs.
+        differences: usize,
+        /// Places that the check did not look at.
+        gaps: usize,
+        /// Expected differences that did not come.
+        unmet: usize,
+    },
+    /// Two backends part.
+    #[error("{a} and {b} part")]
+    Parted {
+        /// One.
+        a: &'static str,
+        /// The other.
+        b: &'static str,
+    },
+    /// A replayed stage gives something else than it did.
+    #[error("`{stage}` on {backend} differs from what was captured")]
+    Replay {
+        /// Stage.
+        stage: String,
+        /// Backend.
+        backend: &'static str,
+    },
+    /// There is no difference to keep.
+    #[error("{}: {a} and {b} agree on it, so there is nothing to reduce; name the two that differ", capture.display())]
+    NothingToReduce {
+        /// Capture.
+        capture: PathBuf,
+        /// One backend.
+        a: &'static str,
+        /// The other.
+        b: &'static str,
+    },
+    /// A check could not be made.
+    #[error(transparent)]
+    CheckKit(#[from] CheckError),
+    /// A capture.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
     /// Output that is not a number.
     #[error(
         "{count} of {pixels} pixels of the picture are not finite; please report this with the command line"
@@ -136,6 +182,9 @@ impl CommandError {
             Self::Compare(error) => error.exit_code(),
             Self::NonFinite { .. }
             | Self::Slots { .. }
+            | Self::Check { .. }
+            | Self::Parted { .. }
+            | Self::Replay { .. }
             | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }

@@ -1,5 +1,7 @@
 //! The program's commands.
 mod bench;
+mod bisect;
+mod check;
 pub mod compare;
 mod devices;
 mod error;
@@ -9,6 +11,7 @@ mod output;
 mod profile;
 mod reference;
 mod render;
+mod replay;
 mod roam;
 mod run;
 mod scene;
@@ -33,6 +36,9 @@ enum Command {
     Render(Box<render::Args>),
     Reference(Box<reference::Args>),
     Compare(Box<compare::Args>),
+    Check(Box<check::Args>),
+    Bisect(Box<bisect::Args>),
+    Replay(Box<replay::Args>),
     Graph(Box<graph::Args>),
     Profile(Box<profile::Args>),
     Stress(Box<stress::Args>),
@@ -61,6 +67,9 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
         Command::Compare(args) => compare::run(*args).map_err(CommandError::from),
+        Command::Check(args) => check::run(&args),
+        Command::Bisect(args) => bisect::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Graph(args) => graph::run(&args),
         Command::Profile(args) => profile::run(&args),
         Command::Stress(args) => stress::run(&args),

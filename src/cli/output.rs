@@ -94,3 +94,15 @@ pub(super) fn prepare_folder(folder: &Path, file: &str) -> Result<(), WriteError
     })?;
     ensure_writable(&folder.join(file))
 }
+
+/// Writes a text, under another name first, so that nobody finds half of it.
+pub(super) fn write_text(file: &Path, text: &str) -> Result<(), CommandError> {
+    let failed = |source| WriteError::Io {
+        path: file.to_owned(),
+        source,
+    };
+    let partial = file.with_extension("part");
+    std::fs::write(&partial, text).map_err(failed)?;
+    std::fs::rename(&partial, file).map_err(failed)?;
+    Ok(())
+}

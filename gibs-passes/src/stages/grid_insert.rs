@@ -1,8 +1,24 @@
 //! `spawn/inject_insert`: new surfels into the lists of their cells.
 use crate::data::{GridShape, NONE, SurfelPose};
 use crate::shared::grid;
-use gibs_graph::{Workgroup, stage};
+use gibs_graph::{Comparator, Lists, Ports, Workgroup, stage};
 use glam::UVec2;
+
+/// Threads write into a list in the order in which they come.
+const IN_ORDER_OF_ARRIVAL: Comparator =
+    Comparator::exact("indices of surfels").in_any_order_within(LISTS);
+
+const LISTS: Lists = Lists {
+    name: "new surfels of the cells",
+    of: |ports: &Ports<'_>| {
+        let cells = ports.get::<UVec2>("cells").into_iter();
+        let new = |(list, born): (UVec2, u32)| {
+            let end = list.x.wrapping_add(list.y) as usize;
+            end.saturating_sub(born.min(list.y) as usize)..end
+        };
+        cells.zip(ports.get::<u32>("born")).map(new).collect()
+    },
+};
 
 stage! {
     /// Writes every claimed surfel into the list of each cell that it overlaps, from the end on, in the order of arrival;
@@ -16,7 +32,7 @@ stage! {
             read claims: UVec2,
             read cells: UVec2,
             atomic born: u32,
-            write entries: u32,
+            write entries: u32 => IN_ORDER_OF_ARRIVAL,
         },
         cpu: kernel,
         wide: None,

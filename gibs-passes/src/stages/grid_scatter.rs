@@ -2,7 +2,26 @@
 use crate::data::{GridShape, SurfelPose};
 use crate::shared::grid;
 use crate::simd;
-use gibs_graph::{Workgroup, stage};
+use gibs_graph::{Comparator, Lists, Ports, Workgroup, stage};
+
+/// Threads write into a list in the order in which they come.
+const IN_ORDER_OF_ARRIVAL: Comparator =
+    Comparator::exact("indices of surfels").in_any_order_within(LISTS);
+
+const LISTS: Lists = Lists {
+    name: "lists of the cells",
+    of: |ports: &Ports<'_>| {
+        let lists = ports
+            .get::<u32>("starts")
+            .into_iter()
+            .zip(ports.get::<u32>("cursors"));
+        let list = |(start, count): (u32, u32)| {
+            let first = 2 * start as usize;
+            first..first + count as usize
+        };
+        lists.map(list).collect()
+    },
+};
 
 stage! {
     /// Writes every live surfel into the list of each cell that it overlaps, which has as much room again behind its surfels
@@ -16,7 +35,7 @@ stage! {
             read poses: SurfelPose,
             read starts: u32,
             atomic cursors: u32,
-            write entries: u32,
+            write entries: u32 => IN_ORDER_OF_ARRIVAL,
         },
         cpu: kernel,
         wide: Some(wide_kernel),

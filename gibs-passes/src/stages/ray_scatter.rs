@@ -1,6 +1,22 @@
 //! `persistent/ray_sorting_scatter`: rays into their bins (I9).
 use gibs_graph::DispatchArgs;
-use gibs_graph::{Workgroup, stage};
+use gibs_graph::{Comparator, Lists, Ports, Workgroup, stage};
+
+/// Threads write into a list in the order in which they come.
+const IN_ORDER_OF_ARRIVAL: Comparator =
+    Comparator::exact("indices of rays").in_any_order_within(BINS);
+
+const BINS: Lists = Lists {
+    name: "bins",
+    of: |ports: &Ports<'_>| {
+        let bins = ports
+            .get::<u32>("starts")
+            .into_iter()
+            .zip(ports.get::<u32>("cursors"));
+        let bin = |(start, count): (u32, u32)| start as usize..start as usize + count as usize;
+        bins.map(bin).collect()
+    },
+};
 
 stage! {
     /// Puts each ray's index into its bin, in the order in which threads come.
@@ -12,7 +28,7 @@ stage! {
             read bins: u32,
             read starts: u32,
             atomic cursors: u32,
-            write order: u32,
+            write order: u32 => IN_ORDER_OF_ARRIVAL,
         },
         cpu: kernel,
         wide: None,

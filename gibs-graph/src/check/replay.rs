@@ -1,0 +1,114 @@
+//! Running a capture alone.
+use super::Capture;
+use super::compare::{Comparison, compare};
+use super::error::CaptureError;
+use crate::{Action, Backend, BackendError, Executable, Order, Ports, Schedule, StageInfo};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What a backend made of a capture.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// The step alone.
+    pub schedule: Arc<Schedule>,
+    /// Content of the written buffers after the step, in the order of [`Capture::written`].
+    pub outputs: Vec<Vec<u8>>,
+    /// Time of each run: on the device where it has a clock, else from submission until it was done.
+    pub times: Vec<Duration>,
+    /// Whether every run gave the bits of the first.
+    pub repeatable: bool,
+}
+
+/// Runs a capture's step on a backend, `runs` times from the same inputs.
+///
+/// # Errors
+/// [`CaptureError::UnknownStage`], [`CaptureError::Changed`], [`CaptureError::Backend`].
+pub fn replay(
+    capture: &Capture,
+    stages: &[StageInfo],
+    backend: &dyn Backend,
+    runs: u32,
+) -> Result<Replayed, CaptureError> {
+    let schedule = capture.schedule(stages)?;
+    let run = || {
+        let mut exec = backend.prepare(schedule.clone())?;
+        let mut replayed = Replayed {
+            schedule: schedule.clone(),
+            outputs: Vec::new(),
+            times: Vec::new(),
+            repeatable: true,
+        };
+        for n in 0..runs.max(1) {
+            let (outputs, time) = once(exec.as_mut(), capture)?;
+            replayed.times.push(time);
+            if n == 0 {
+                replayed.outputs = outputs;
+            } else {
+                replayed.repeatable &= outputs == replayed.outputs;
+            }
+        }
+        Ok(replayed)
+    };
+    run().map_err(|source: BackendError| CaptureError::Backend {
+        stage: capture.label.clone(),
+        backend: backend.name().into(),
+        source: Box::new(source),
+    })
+}
+
+fn once(
+    exec: &mut dyn Executable,
+    capture: &Capture,
+) -> Result<(Vec<Vec<u8>>, Duration), BackendError> {
+    for (id, buffer) in (0..).zip(&capture.buffers) {
+        exec.upload(id, 0, &buffer.bytes)?;
+    }
+    exec.wait()?;
+    exec.measure(true);
+    let start = Instant::now();
+    exec.run()?;
+    exec.wait()?;
+    let elapsed = start.elapsed();
+    let measured = exec
+        .timings()?
+        .and_then(|times| times.first().map(|first| first.time));
+    let outputs = capture.written().into_iter().map(|id| exec.read(id));
+    Ok((
+        outputs.collect::<Result<_, _>>()?,
+        measured.unwrap_or(elapsed),
+    ))
+}
+
+/// Holds what was made against another result of the same capture, port by port, as the ports' comparators say.
+pub fn verify(
+    capture: &Capture,
+    schedule: &Schedule,
+    expected: &[Vec<u8>],
+    found: &[Vec<u8>],
+) -> Vec<(String, Comparison)> {
+    let Some(Action::Dispatch(dispatch)) = schedule.steps.first().map(|step| &step.action) else {
+        return Vec::new();
+    };
+    let written = capture.written();
+    let mut ports = Ports::default();
+    for binding in &dispatch.bindings {
+        let buffer = &capture.buffers[binding.resource as usize];
+        let after = written.iter().position(|&id| id == binding.resource);
+        let bytes = after.and_then(|i| expected.get(i)).unwrap_or(&buffer.bytes);
+        ports.push(binding.port, &buffer.element, bytes);
+    }
+    let writers = dispatch.ports.iter().filter(|port| port.access.writes());
+    writers
+        .enumerate()
+        .map(|(i, port)| {
+            let lists = match port.comparator.order {
+                Order::AnyWithin(lists) => (lists.of)(&ports),
+                _ => Vec::new(),
+            };
+            let nothing = Vec::new();
+            let [a, b] = [expected, found].map(|outputs| outputs.get(i).unwrap_or(&nothing));
+            let found = compare(&port.element, &port.comparator, a, b, &lists);
+            (port.name.to_owned(), found)
+        })
+        .collect()
+}

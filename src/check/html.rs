@@ -1,0 +1,250 @@
+//! The report as one file that a browser opens, with pictures of the differences.
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use gibs_graph::check::{
+    Capture, CaseReport, PairReport, PortReport, Report, StepReport, Verdict, apart,
+};
+use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use std::fmt::Write;
+
+/// What a page looks like; light and dark as the reader has it.
+const STYLE: &str = "
+:root { color-scheme: light dark; font: 15px/1.45 system-ui, sans-serif; }
+body { max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
+table { border-collapse: collapse; margin: .6rem 0; }
+th, td { text-align: left; padding: .15rem .7rem .15rem 0; vertical-align: top; }
+th { font-weight: 600; border-bottom: 1px solid #8888; }
+td.n { text-align: right; font-variant-numeric: tabular-nums; }
+.v { border-radius: .3rem; padding: 0 .4rem; color: #fff; white-space: nowrap; }
+.equal { background: #2e7d4f; } .within { background: #33658a; } .undecided { background: #8a6d1f; }
+.expected { background: #7a5195; } .differs { background: #b3261e; }
+figure { display: inline-block; margin: .4rem 1rem .4rem 0; }
+img { image-rendering: pixelated; border: 1px solid #8888; background: #000; }
+figcaption, .why { font-size: .85em; opacity: .8; }
+summary { cursor: pointer; padding: .2rem 0; }
+code { font-size: .92em; }
+";
+
+/// The report as one HTML file that needs nothing else. Of each capture, there is a picture per port that was written: an
+/// element is a pixel, row by row; black is equal, and from blue over red to white it is off by one ULP to all bits.
+pub fn html(report: &Report, captures: &[Capture]) -> String {
+    let mut page = String::new();
+    let verdict = report.verdict();
+    page += "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">";
+    page += "<meta name=\"viewport\" content=\"width=device-width\">";
+    // Writing to a string cannot fail.
+    let _ = write!(
+        page,
+        "<title>gibs check: {}</title><style>{STYLE}</style>",
+        name(verdict)
+    );
+    let _ = write!(page, "<h1>gibs check: {}</h1>", badge(verdict));
+    page += "<table><tr><th>participant<th>device<th>driver<th></tr>";
+    for (i, lane) in report.lanes.iter().enumerate() {
+        let role = if i == 0 {
+            "its values are what all go on from"
+        } else {
+            ""
+        };
+        let _ = write!(
+            page,
+            "<tr><td><code>{}</code><td>{}<td>{}<td class=why>{role}</tr>",
+            escaped(&lane.name),
+            escaped(&lane.device.name),
+            escaped(&lane.device.driver)
+        );
+    }
+    page += "</table>";
+    let count = |verdict: Verdict| {
+        report
+            .pairs()
+            .filter(|(.., p)| p.verdict == verdict)
+            .count()
+    };
+    page += "<p>";
+    for verdict in [
+        Verdict::Equal,
+        Verdict::Within,
+        Verdict::Undecided,
+        Verdict::Expected,
+        Verdict::Differs,
+    ] {
+        let _ = write!(page, "{} {} &emsp;", badge(verdict), count(verdict));
+    }
+    let _ = write!(
+        page,
+        "of {} comparisons, {} elements</p>",
+        report.pairs().count(),
+        report.elements()
+    );
+    for capture in captures {
+        pictures(&mut page, capture);
+    }
+    for case in &report.cases {
+        table(&mut page, case);
+    }
+    page += "</html>\n";
+    page
+}
+
+fn name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Equal => "equal",
+        Verdict::Within => "within",
+        Verdict::Undecided => "undecided",
+        Verdict::Expected => "expected",
+        Verdict::Differs => "differs",
+    }
+}
+
+fn badge(verdict: Verdict) -> String {
+    let name = name(verdict);
+    format!("<span class=\"v {name}\">{name}</span>")
+}
+
+fn escaped(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;");
+    text.replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn worst(step: &StepReport) -> Verdict {
+    let pairs = step.ports.iter().flat_map(|port| &port.pairs);
+    pairs
+        .map(|pair| pair.verdict)
+        .max()
+        .unwrap_or(Verdict::Equal)
+}
+
+/// A case, open where something differs.
+fn table(page: &mut String, case: &CaseReport) {
+    let verdict = case.steps.iter().map(worst).max().unwrap_or(Verdict::Equal);
+    let open = if verdict == Verdict::Differs {
+        " open"
+    } else {
+        ""
+    };
+    let _ = write!(
+        page,
+        "<details{open}><summary>{} <b>{}</b>: {} steps, {} frames</summary><table>\
+         <tr><th>step<th>port<th>pair<th>verdict<th>elements<th>unequal<th>undecided<th>refused<th>worst<th>comparator</tr>",
+        badge(verdict),
+        escaped(&case.name),
+        case.steps.len(),
+        case.frames
+    );
+    for step in &case.steps {
+        for port in &step.ports {
+            for pair in &port.pairs {
+                row(page, step, port, pair);
+            }
+        }
+    }
+    *page += "</table></details>";
+}
+
+fn row(page: &mut String, step: &StepReport, port: &PortReport, pair: &PairReport) {
+    let worst = pair.worst.as_ref().map_or(String::new(), |(frame, worst)| {
+        format!(
+            "frame {frame}, [{}]{}: {} and {} ({:.1} ULP)",
+            worst.element, worst.field, worst.a, worst.b, worst.ulps
+        )
+    });
+    let _ = write!(
+        page,
+        "<tr><td><code>{}</code><td><code>{}</code><td>{}, {}<td>{}<td class=n>{}<td class=n>{}<td class=n>{}<td class=n>{}\
+         <td>{}<td class=why>{:?}, {:?}: {}</tr>",
+        escaped(&step.label),
+        escaped(&port.port),
+        escaped(&pair.a),
+        escaped(&pair.b),
+        badge(pair.verdict),
+        pair.elements,
+        pair.unequal,
+        pair.undecided,
+        pair.refused,
+        escaped(&worst),
+        port.comparator.floats,
+        port.comparator.order,
+        escaped(port.comparator.reason)
+    );
+}
+
+/// Pictures of the first two results of a capture.
+fn pictures(page: &mut String, capture: &Capture) {
+    let [a, b, ..] = &capture.results[..] else {
+        return;
+    };
+    let _ = write!(
+        page,
+        "<h2>{}, {}</h2><p>Frame {}; <code>{}</code> against <code>{}</code>.</p>",
+        escaped(&capture.case),
+        escaped(&capture.label),
+        capture.frame,
+        escaped(&b.lane),
+        escaped(&a.lane)
+    );
+    for ((&id, x), y) in a.buffers.iter().zip(&a.outputs).zip(&b.outputs) {
+        let buffer = &capture.buffers[id as usize];
+        let off = apart(&buffer.element, x, y);
+        let unequal = off.iter().filter(|ulps| **ulps > 0.0).count();
+        if let Some(picture) = picture(&off) {
+            let _ = write!(
+                page,
+                "<figure><img width=\"{w}\" alt=\"differences\" src=\"data:image/png;base64,{picture}\">\
+                 <figcaption><code>{key}</code>: {unequal} of {all} elements unequal</figcaption></figure>",
+                w = 384,
+                key = escaped(&buffer.key),
+                all = off.len()
+            );
+        }
+    }
+}
+
+/// Widest picture; longer results are shown by the largest difference of neighbours.
+const SIDE: usize = 256;
+
+/// Differences as a PNG, encoded; `None` where there is nothing to show.
+fn picture(off: &[f64]) -> Option<String> {
+    if off.iter().all(|ulps| *ulps == 0.0) {
+        return None;
+    }
+    let per_pixel = off.len().div_ceil(SIDE * SIDE);
+    let pixels: Vec<f64> = off
+        .chunks(per_pixel)
+        .map(|chunk| chunk.iter().copied().fold(0.0, f64::max))
+        .collect();
+    let width = (pixels.len() as f64).sqrt().ceil() as usize;
+    let mut image = RgbImage::new(width as u32, pixels.len().div_ceil(width) as u32);
+    for (i, &ulps) in pixels.iter().enumerate() {
+        image.put_pixel((i % width) as u32, (i / width) as u32, color(ulps));
+    }
+    let mut png = Vec::new();
+    let encoder = image::codecs::png::PngEncoder::new(&mut png);
+    let written = encoder.write_image(
+        &image,
+        image.width(),
+        image.height(),
+        ExtendedColorType::Rgb8,
+    );
+    written.ok().map(|()| BASE64_STANDARD.encode(png))
+}
+
+/// Black for equal, then over a logarithmic scale from blue (one ULP) over red (half of the bits of a float) to white.
+fn color(ulps: f64) -> Rgb<u8> {
+    if ulps <= 0.0 {
+        return Rgb([0, 0, 0]);
+    }
+    let t = ((ulps + 1.0).log2() / 24.0).clamp(0.0, 1.0);
+    let mix = |from: f64, to: f64, t: f64| (from + (to - from) * t) as u8;
+    match t < 0.5 {
+        true => Rgb([mix(60.0, 230.0, 2.0 * t), 60, mix(255.0, 60.0, 2.0 * t)]),
+        false => {
+            let t = 2.0 * t - 1.0;
+            Rgb([
+                mix(230.0, 255.0, t),
+                mix(60.0, 255.0, t),
+                mix(60.0, 255.0, t),
+            ])
+        }
+    }
+}
