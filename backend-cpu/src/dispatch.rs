@@ -6,6 +6,7 @@ use gibs_graph::{
     WriteMap, unknown_step,
 };
 use rayon::prelude::*;
+use std::any::Any;
 
 impl CpuExecutable {
     /// Number of workgroups along each axis, and in all.
@@ -88,16 +89,26 @@ impl CpuExecutable {
             ];
             kernel(&views, Workgroup { id, count, size });
         };
-        match total {
+        let threads = self.shared.pool.current_num_threads();
+        let all = || match total {
             0 => {}
             1 => run(0),
             _ => {
                 // Enough pieces to balance, few enough that a piece is worth a thread's while.
-                let least = (total as usize / (self.shared.pool.current_num_threads() * 16)).max(1);
+                let least = (total as usize / (threads * 16)).max(1);
                 (0..total).into_par_iter().with_min_len(least).for_each(run);
             }
-        }
+        };
+        // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing
+        // else is broken by it.
+        let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(all));
         self.views = emptied(views);
+        if let Err(panic) = ran {
+            return Err(BackendError::Kernel {
+                stage: label.into(),
+                message: format!("the CPU kernel failed: {}", said(panic.as_ref())),
+            });
+        }
         for (map, binding) in maps.iter().zip(&dispatch.bindings) {
             if let Some(offset) = map.as_ref().and_then(WriteMap::conflict) {
                 return Err(BackendError::WriteConflict {
@@ -125,6 +136,13 @@ impl CpuExecutable {
             })
             .collect()
     }
+}
+
+/// What a panic says.
+fn said(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("it panicked")
 }
 
 /// The vector without its views, for views of another lifetime. Collecting reuses the allocation, so that a frame

@@ -52,6 +52,42 @@ fn two_workgroups_that_write_one_element_are_found() {
         .unwrap();
 }
 
+/// A kernel that leaves its buffers is an error that names the stage, on one thread and on several, and the executable
+/// goes on afterwards.
+#[test]
+fn what_is_out_of_bounds_is_an_error() {
+    const LEN: u64 = 10 * LANES;
+    for checked in [true, false] {
+        for threads in [1, 2] {
+            let mut g = Graph::new("test");
+            let source = g.input("source", LEN);
+            let target = g.transient("target", LEN);
+            let count = g.zeroed("count", 1);
+            let inputs = beyond::Inputs {
+                source: &source,
+                target,
+                count,
+            };
+            let out = g.add::<beyond::Beyond>("draw/beyond", inputs, Dispatch::Elements(LEN));
+            g.output("target", &out.target);
+            g.output("count", &out.count);
+            let mut exec = prepare_with(options(threads, checked), g);
+            let source = exec.schedule().resource("source").unwrap();
+            for bad in [7_u32, 8, 9] {
+                exec.upload(source, 4 * 333, &bad.to_ne_bytes()).unwrap();
+                let error = exec.run().unwrap_err().to_string();
+                assert!(error.contains("stage `draw/beyond`"), "{error}");
+                assert!(
+                    error.contains("index") && error.contains("640") || bad == 9,
+                    "{error}"
+                );
+                exec.upload(source, 4 * 333, &[0; 4]).unwrap();
+                exec.run().unwrap();
+            }
+        }
+    }
+}
+
 /// Visits and turns of every workgroup.
 fn visits(options: Options, groups: [u32; 3]) -> (Vec<u32>, Vec<u32>) {
     let total = u64::from(groups.iter().product::<u32>());

@@ -44,6 +44,19 @@ stages! {
         }
     }
 
+    /// Reads one element too far, writes one too far where the source says 7, and takes a count too far where it says 9.
+    beyond Beyond { read source: u32, write target: u32, atomic count: u32 } wide(None)
+    fn kernel(p: &Views<'_>, group: Workgroup) {
+        for i in group.range(p.source.len() as u32) {
+            match p.source[i] {
+                7 => p.target.set(p.target.len(), 0),
+                8 => p.target.set(i, p.source[p.source.len()]),
+                9 => drop(p.count.add(p.count.len(), 1)),
+                _ => p.target.set(i, 0),
+            }
+        }
+    }
+
     /// total += step
     accumulate Accumulate { uniform step: [u32; 4], read_write total: u32 } wide(None)
     fn kernel(p: &Views<'_>, group: Workgroup) {

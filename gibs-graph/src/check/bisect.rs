@@ -4,7 +4,7 @@ use super::compare::compare;
 use super::lockstep::{CheckOptions, Contents, Lockstep, written};
 use super::report::Verdict;
 use super::{Capture, Case, CheckError, Difference, Participant};
-use crate::{BackendError, Executable, Order, Schedule};
+use crate::{BackendError, Executable, Kind, Order, Schedule};
 
 /// The first place where two backends part.
 #[derive(Debug)]
@@ -101,6 +101,13 @@ pub fn bisect(
         if let Some(parted) = parted {
             return lockstep(case, &participants, &options, frame, &before, parted).map(Some);
         }
+        // Again from the case, which would not lend them over the search above.
+        let uploads = case.uploads(frame).map_err(|source| CheckError::Feed {
+            case: schedule.name.clone(),
+            frame,
+            source: Box::new(source),
+        })?;
+        before.write(uploads);
         keep(&schedule, a.as_mut(), &mut before)
             .map_err(|source| failed(frame, "frame", participants[0].name, source))?;
         progress(frame + 1, case.frames);
@@ -108,14 +115,14 @@ pub fn bisect(
     Ok(None)
 }
 
-/// Takes over what persists.
+/// Takes over what the frame has changed for the next one.
 fn keep(
     schedule: &Schedule,
     exec: &mut dyn Executable,
     contents: &mut Contents,
 ) -> Result<(), BackendError> {
     for (id, resource) in (0..).zip(&schedule.resources) {
-        if resource.kind.persists() && resource.usage.on_device() {
+        if resource.kind.persists() && resource.kind != Kind::Input {
             contents.current[id as usize] = exec.read(id)?;
         }
     }

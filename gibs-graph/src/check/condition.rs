@@ -47,14 +47,15 @@ impl Condition {
         Ok(Self { outputs })
     }
 
-    /// Whether moved inputs change an element of a resource as much as `a` and `b` differ.
+    /// Whether moved inputs change an element of a resource as much as `a` and `b` differ. `non_finite` says that
+    /// infinities and NaN are values.
     pub fn explains(
         &self,
         resource: ResourceId,
         element: &Layout,
         index: u64,
-        a: &[u8],
-        b: &[u8],
+        [a, b]: [&[u8]; 2],
+        non_finite: bool,
     ) -> bool {
         let outputs = &self.outputs[resource as usize];
         let first = index as usize * element.size() as usize;
@@ -68,7 +69,10 @@ impl Condition {
                 return false; // bytes that are missing have no reason
             };
             if x == y {
-                return true;
+                return non_finite
+                    || leaf.scalar != Scalar::F32
+                    || x == UNWRITTEN
+                    || f32::from_bits(x).is_finite();
             }
             let Some((base, moved)) = outputs.split_first() else {
                 return false;
@@ -84,8 +88,14 @@ impl Condition {
                     .fold(0.0, f64::max);
                 return (p - q).abs() <= SPREAD * spread;
             }
-            let written = |bits: u32| leaf.scalar != Scalar::F32 || bits != UNWRITTEN;
-            written(x) && written(y) && moved.iter().any(|&bits| bits != base)
+            if leaf.scalar == Scalar::F32 {
+                // What is no number has a reason only where moved inputs give none either.
+                let is_number = |bits: u32| bits == UNWRITTEN || f32::from_bits(bits).is_finite();
+                return x != UNWRITTEN
+                    && y != UNWRITTEN
+                    && moved.iter().flatten().any(|&bits| !is_number(bits));
+            }
+            moved.iter().any(|&bits| bits != base)
         })
     }
 }

@@ -149,6 +149,15 @@ impl Contents {
         }
     }
 
+    /// What the host writes.
+    pub fn write(&mut self, uploads: &[super::Upload]) {
+        for upload in uploads {
+            let from = upload.offset as usize;
+            self.current[upload.resource as usize][from..from + upload.bytes.len()]
+                .copy_from_slice(&upload.bytes);
+        }
+    }
+
     /// Begins a frame.
     pub fn rotate(&mut self, schedule: &Schedule) {
         for (id, resource) in schedule.resources.iter().enumerate() {
@@ -258,11 +267,7 @@ impl<'a> Lockstep<'a> {
             };
             begin().map_err(|source| failed(participant.name, "upload", source))?;
         }
-        for upload in uploads {
-            let from = upload.offset as usize;
-            self.contents.current[upload.resource as usize][from..from + upload.bytes.len()]
-                .copy_from_slice(&upload.bytes);
-        }
+        self.contents.write(uploads);
         let schedule = self.schedule.clone();
         self.contents.rotate(&schedule);
         for (id, bytes) in poison(&schedule) {
@@ -462,7 +467,15 @@ impl Judge<'_> {
         }
         let explained = |index: &&u64| {
             let found = condition.as_ref();
-            found.is_some_and(|c| c.explains(place, element, **index, a, b))
+            found.is_some_and(|c| {
+                c.explains(
+                    place,
+                    element,
+                    **index,
+                    [a, b],
+                    written.comparator.non_finite,
+                )
+            })
         };
         Ok(refused.iter().filter(explained).count() as u64)
     }

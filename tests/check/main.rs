@@ -1,0 +1,10 @@
+//! The cross-check kit: what it passes, and that it fails on everything that it should fail on.
+#[path = "../common/mod.rs"]
+mod common;
+
+mod agree;
+mod captures;
+mod harness;
+mod program;
+mod sabotage;
+mod undecided;
