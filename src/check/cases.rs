@@ -17,7 +17,6 @@ use std::sync::Arc;
 
 /// How much of each scene is run.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub struct Plan {
     /// Width and height, pixels.
     pub size: [u32; 2],

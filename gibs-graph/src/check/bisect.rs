@@ -1,7 +1,8 @@
 //! Where two backends part that run on their own.
 use super::case::distinct;
 use super::compare::compare;
-use super::lockstep::{CheckOptions, Contents, Lockstep, written};
+use super::contents::Contents;
+use super::lockstep::{CheckOptions, Lockstep, written};
 use super::report::Verdict;
 use super::{Capture, Case, CheckError, Difference, Participant};
 use crate::{BackendError, Executable, Kind, Order, Schedule};
@@ -192,7 +193,7 @@ fn lockstep(
         source: Box::new(source),
     })?;
     let mut captures = Vec::new();
-    run.frame(case, frame, &mut captures)?;
+    run.frame(case, frame, &mut captures, &mut |_, _| false)?;
     let mut ports = run.report.steps.iter().flat_map(|step| {
         step.ports
             .iter()

@@ -1,15 +1,14 @@
 //! Frames in lockstep: every step from equal inputs on every backend.
 use super::case::distinct;
-use super::compare::{UNWRITTEN, compare};
-use super::condition::{Condition, undecided_cap};
+use super::compare::compare;
+use super::contents::{Contents, poison};
 use super::isolate::isolate;
-use super::report::{CaseReport, Lane, PairReport, PortReport, Report, StepReport, Verdict};
+use super::judge::{Judge, steps, tally};
+use super::report::{CaseReport, Lane, Report};
 use super::{Capture, Case, CheckError, Participant};
 use crate::{
-    Access, Action, Backend, BackendError, Comparator, Executable, Kind, Order, Ports, Resource,
-    ResourceId, Schedule, Step,
+    Action, BackendError, Comparator, DispatchStep, Executable, Order, ResourceId, Schedule, Step,
 };
-use std::ops::Range;
 
 /// What is checked how.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +89,7 @@ pub fn check(
         case.keeps_transients()?;
         let mut run = Lockstep::new(case, participants, options)?;
         for frame in 0..case.frames {
-            run.frame(case, frame, &mut checked.captures)?;
+            run.frame(case, frame, &mut checked.captures, &mut |_, _| false)?;
             progress(&case.name, frame + 1, case.frames);
         }
         checked.report.cases.push(run.report);
@@ -120,74 +119,6 @@ pub(crate) struct Lockstep<'a> {
     /// What each resource holds on all of them.
     contents: Contents,
     pub report: CaseReport,
-}
-
-/// What the resources of a schedule hold.
-#[derive(Clone)]
-pub(crate) struct Contents {
-    pub current: Vec<Vec<u8>>,
-    /// Of histories.
-    pub previous: Vec<Vec<u8>>,
-}
-
-impl Contents {
-    /// What they start with.
-    pub fn new(schedule: &Schedule) -> Self {
-        let first = |resource: &Resource| match &resource.kind {
-            Kind::State(initial) | Kind::History(initial) => initial.bytes(resource.bytes as usize),
-            _ => vec![0; resource.bytes as usize],
-        };
-        let current: Vec<_> = schedule.resources.iter().map(first).collect();
-        let resources = schedule.resources.iter().zip(&current);
-        let previous = resources.map(|(resource, current)| match resource.kind {
-            Kind::History(_) => current.clone(),
-            _ => Vec::new(),
-        });
-        Self {
-            previous: previous.collect(),
-            current,
-        }
-    }
-
-    /// What the host writes.
-    pub fn write(&mut self, uploads: &[super::Upload]) {
-        for upload in uploads {
-            let from = upload.offset as usize;
-            self.current[upload.resource as usize][from..from + upload.bytes.len()]
-                .copy_from_slice(&upload.bytes);
-        }
-    }
-
-    /// Begins a frame.
-    pub fn rotate(&mut self, schedule: &Schedule) {
-        for (id, resource) in schedule.resources.iter().enumerate() {
-            if let Kind::History(_) = resource.kind {
-                std::mem::swap(&mut self.current[id], &mut self.previous[id]);
-            }
-        }
-    }
-
-    /// The contents of an isolated step's resources.
-    pub fn of(&self, sources: &[(ResourceId, bool)]) -> Vec<&[u8]> {
-        let one = |&(id, previous): &(ResourceId, bool)| match previous {
-            true => self.previous[id as usize].as_slice(),
-            false => self.current[id as usize].as_slice(),
-        };
-        sources.iter().map(one).collect()
-    }
-}
-
-/// Resources that a frame starts without a value of, and what stands there until one is written.
-pub(crate) fn poison(schedule: &Schedule) -> Vec<(ResourceId, Vec<u8>)> {
-    let undefined = (0..).zip(&schedule.resources).filter(|(_, resource)| {
-        matches!(resource.kind, Kind::Transient) && resource.image.is_none()
-    });
-    undefined
-        .map(|(id, resource)| {
-            let pattern = UNWRITTEN.to_ne_bytes().into_iter().cycle();
-            (id, pattern.take(resource.bytes as usize).collect())
-        })
-        .collect()
 }
 
 impl<'a> Lockstep<'a> {
@@ -238,12 +169,13 @@ impl<'a> Lockstep<'a> {
             .try_for_each(|exec| exec.upload(id, 0, bytes))
     }
 
-    /// Runs the next frame and compares.
+    /// Runs the next frame and compares. Of steps that are `wanted`, by their names, there is a capture in any case.
     pub fn frame(
         &mut self,
         case: &mut Case<'_>,
         frame: u32,
         captures: &mut Vec<Capture>,
+        wanted: &mut dyn FnMut(&str, &DispatchStep) -> bool,
     ) -> Result<(), CheckError> {
         let name = case.name.clone();
         let failed = |backend: &str, step: &str, source| CheckError::Backend {
@@ -283,6 +215,12 @@ impl<'a> Lockstep<'a> {
             let outputs = self
                 .outputs(step)
                 .map_err(|(backend, source)| failed(backend, &step.label, source))?;
+            if let Action::Dispatch(dispatch) = &step.action
+                && wanted(&step.label, dispatch)
+            {
+                let all: Vec<usize> = (0..self.participants.len()).collect();
+                captures.extend(self.capture(&name, frame, i, &outputs, &all));
+            }
             self.judge(&name, frame, i, &outputs, captures)
                 .map_err(|source| failed(self.participants[0].name, &step.label, source))?;
             self.settle(step, outputs)
@@ -373,7 +311,7 @@ impl<'a> Lockstep<'a> {
                         [&lanes[a], &lanes[b]],
                     )?,
                 };
-                if record(pair, frame, found, undecided) {
+                if tally(pair, frame, found, undecided) {
                     differs.get_or_insert((a, b));
                 }
             }
@@ -384,185 +322,51 @@ impl<'a> Lockstep<'a> {
         if let Some((a, b)) = differs
             && captures.len() < self.options.captures
             && !known
-            && let Some(isolated) = isolate(&schedule, index)
         {
-            let names = [a, b].map(|lane| self.participants[lane]);
-            let contents = self.contents.of(&isolated.sources);
-            let mut capture = Capture::new(case, frame, &isolated, &contents);
-            for (lane, participant) in [a, b].into_iter().zip(names) {
-                let results = outputs.iter().map(|lanes| lanes[lane].clone());
-                capture.add_results(participant, results.collect());
-            }
-            captures.push(capture);
+            captures.extend(self.capture(case, frame, index, outputs, &[a, b]));
         }
         Ok(())
     }
-}
 
-/// A step under judgement.
-struct Judge<'a> {
-    schedule: &'a Schedule,
-    index: usize,
-    contents: &'a Contents,
-    oracle: &'a dyn Backend,
-}
-
-impl Judge<'_> {
-    /// The lists of a port whose elements have an order only across them, as the first participant has them.
-    fn lists(&self, comparator: &Comparator, outputs: &[Vec<Vec<u8>>]) -> Vec<Range<usize>> {
-        let Order::AnyWithin(lists) = comparator.order else {
-            return Vec::new();
-        };
-        let step = &self.schedule.steps[self.index];
-        let Action::Dispatch(dispatch) = &step.action else {
-            return Vec::new();
-        };
-        let after: Vec<(ResourceId, &[u8])> = written(step)
-            .iter()
-            .zip(outputs)
-            .map(|(written, lanes)| (written.resource, lanes[0].as_slice()))
-            .collect();
-        let mut ports = Ports::default();
-        for binding in &dispatch.bindings {
-            let id = binding.resource as usize;
-            let changed = after.iter().find(|(id, _)| *id == binding.resource);
-            let bytes = match (binding.access, changed) {
-                (Access::Previous, _) => &self.contents.previous[id],
-                (_, Some((_, bytes))) => *bytes,
-                (_, None) => &self.contents.current[id],
-            };
-            ports.push(binding.port, &self.schedule.resources[id].element, bytes);
-        }
-        (lists.of)(&ports)
-    }
-
-    /// How many of the refused elements a rounding of the inputs explains.
-    fn undecided(
+    /// A step with what it read, and what some participants made of it; `None` for a clear.
+    fn capture(
         &self,
-        condition: &mut Option<Condition>,
-        written: &super::lockstep::Written,
-        refused: &[u64],
-        [a, b]: [&[u8]; 2],
-    ) -> Result<u64, BackendError> {
-        let element = &self.schedule.resources[written.resource as usize].element;
-        let elements = (a.len() / element.size() as usize) as u64;
-        // More could not be excused anyway; and elements without an order have no counterpart in another run.
-        if refused.len() as u64 > undecided_cap(elements)
-            || written.comparator.order != Order::InOrder
-        {
-            return Ok(0);
+        case: &str,
+        frame: u32,
+        index: usize,
+        outputs: &[Vec<Vec<u8>>],
+        lanes: &[usize],
+    ) -> Option<Capture> {
+        let isolated = isolate(&self.schedule, index)?;
+        let contents = self.contents.of(&isolated.sources);
+        let mut capture = Capture::new(case, frame, &isolated, &contents);
+        for &lane in lanes {
+            let results = outputs.iter().map(|lanes| lanes[lane].clone());
+            capture.add_results(self.participants[lane], results.collect());
         }
-        let Some(isolated) = isolate(self.schedule, self.index) else {
-            return Ok(0);
-        };
-        let place = (0..)
-            .zip(&isolated.sources)
-            .find(|(_, s)| **s == (written.resource, false));
-        let Some((place, _)) = place else {
-            return Ok(0);
-        };
-        if condition.is_none() {
-            let contents = self.contents.of(&isolated.sources);
-            *condition = Some(Condition::measure(self.oracle, &isolated, &contents)?);
-        }
-        let explained = |index: &&u64| {
-            let found = condition.as_ref();
-            found.is_some_and(|c| {
-                c.explains(
-                    place,
-                    element,
-                    **index,
-                    [a, b],
-                    written.comparator.non_finite,
-                )
-            })
-        };
-        Ok(refused.iter().filter(explained).count() as u64)
+        Some(capture)
     }
 }
 
-/// Adds a frame to a pair; whether it has a difference.
-fn record(pair: &mut PairReport, frame: u32, found: super::Comparison, undecided: u64) -> bool {
-    let refused = found.refused.len() as u64;
-    let differs = refused > undecided || undecided > undecided_cap(found.elements);
-    pair.frames += 1;
-    pair.elements += found.elements;
-    pair.unequal += found.unequal;
-    pair.undecided += undecided;
-    pair.refused += refused - undecided;
-    if let Some(new) = found.worst {
-        let beats =
-            |(_, old): &(u32, super::Difference)| (new.refused, new.ulps) > (old.refused, old.ulps);
-        if pair.worst.as_ref().is_none_or(beats) {
-            pair.worst = Some((frame, new));
-        }
+/// Runs a case up to a frame on one backend, and captures the steps of that frame that are `wanted`, by their names, with
+/// what it made of them.
+///
+/// # Errors
+/// As [`check`].
+pub fn record(
+    case: &mut Case<'_>,
+    participant: Participant<'_>,
+    frame: u32,
+    mut wanted: impl FnMut(&str, &DispatchStep) -> bool,
+) -> Result<Vec<Capture>, CheckError> {
+    case.keeps_transients()?;
+    let (participants, options) = ([participant], CheckOptions::default());
+    let mut run = Lockstep::new(case, &participants, &options)?;
+    let mut captures = Vec::new();
+    for number in 0..=frame {
+        let mut in_time =
+            |label: &str, dispatch: &DispatchStep| number == frame && wanted(label, dispatch);
+        run.frame(case, number, &mut captures, &mut in_time)?;
     }
-    let verdict = match (differs, refused, found.unequal) {
-        (true, ..) => Verdict::Differs,
-        (_, 0, 0) => Verdict::Equal,
-        (_, 0, _) => Verdict::Within,
-        _ => Verdict::Undecided,
-    };
-    if differs {
-        pair.differs_in.get_or_insert(frame);
-    }
-    pair.verdict = pair.verdict.max(verdict);
-    differs
-}
-
-/// The steps to report, with nothing found yet.
-fn steps(
-    schedule: &Schedule,
-    participants: &[Participant<'_>],
-    options: &CheckOptions,
-) -> Vec<StepReport> {
-    let stage = |step: &Step| match &step.action {
-        Action::Clear(_) => "",
-        Action::Dispatch(dispatch) => dispatch.stage,
-    };
-    let asked = |step: &Step| {
-        let wanted = options.stage.as_deref();
-        wanted.is_none_or(|wanted| step.label.contains(wanted) || stage(step).contains(wanted))
-    };
-    let numbered = schedule.steps.iter().enumerate();
-    numbered
-        .filter(|(_, step)| asked(step))
-        .map(|(i, step)| StepReport {
-            step: i,
-            label: step.label.clone(),
-            stage: stage(step).into(),
-            ports: written(step)
-                .into_iter()
-                .map(|written| PortReport {
-                    port: written.port.into(),
-                    resource: schedule.resources[written.resource as usize].key.clone(),
-                    comparator: written.comparator,
-                    pairs: pairs(participants, options),
-                })
-                .collect(),
-        })
-        .collect()
-}
-
-fn pairs(participants: &[Participant<'_>], options: &CheckOptions) -> Vec<PairReport> {
-    let numbered = participants.iter().enumerate();
-    numbered
-        .flat_map(|(i, a)| participants[i + 1..].iter().map(move |b| (a, b)))
-        .map(|(a, b)| PairReport {
-            a: a.name.into(),
-            b: b.name.into(),
-            exact: options
-                .exact
-                .iter()
-                .any(|(x, y)| (x == a.name && y == b.name) || (x == b.name && y == a.name)),
-            frames: 0,
-            elements: 0,
-            unequal: 0,
-            undecided: 0,
-            refused: 0,
-            worst: None,
-            differs_in: None,
-            verdict: Verdict::Equal,
-        })
-        .collect()
+    Ok(captures)
 }
