@@ -6,8 +6,9 @@
 //!
 //! It counts how often each resource is read and written, refuses a step that reads a transient which nothing has
 //! written in this frame, and fills transients with garbage before each frame, so that nothing can live on what a frame
-//! before left. Renders the Cornell box, and exits with 1 unless every output equals that of `CpuBackend` to the bit.
+//! before left. Goes through the cross-check kit, and exits with 1 unless every stage gives the bits of `CpuBackend`.
 //! `docs/extending.md` has the list of what a backend promises; the comments here name its points.
+use gibs::check::{CheckOptions, Participant, Plan, Verdict, cases, check};
 use gibs::graph::bytemuck::{self, Pod, Zeroable};
 use gibs::graph::{
     Access, Action, Backend, BackendError, Capabilities, DeviceInfo, DispatchArgs, DispatchSize,
@@ -23,8 +24,6 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 const NAME: &str = "counting";
-const SIZE: [u32; 2] = [48, 48];
-const FRAMES: u32 = 8;
 
 /// A cache line: what views want their memory aligned to.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -270,34 +269,32 @@ impl Executable for Run {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let cpu = CpuBackend::new(Default::default())?;
     let counting = Counting(CpuBackend::new(Default::default())?);
-    let (scene, view) = builtin::by_name("cornell").ok_or("no such scene")?;
-    let settings = Settings {
-        surfels: 2048,
-        rays: 2000,
-        ..Settings::default()
-    };
-    let mut ours = Renderer::new(&counting, &scene, &view, SIZE, &settings, 0)?;
-    let mut theirs = Renderer::new(&cpu, &scene, &view, SIZE, &settings, 0)?;
-    for _ in 0..FRAMES {
-        ours.frame()?;
-        theirs.frame()?;
-    }
-    let schedule = Arc::clone(ours.gi().schedule());
-    let mut equal = true;
-    for output in &schedule.outputs {
-        let expected = theirs.executable().read(output.resource)?;
-        let same = ours.executable().read(output.resource)? == expected;
-        let verdict = if same { "equal to the bit" } else { "DIFFERS" };
-        println!("{}: {verdict}", output.name);
-        equal &= same;
-    }
-    let executable: &dyn Any = ours.executable();
+    let scene = builtin::by_name("cornell").ok_or("no such scene")?;
+    let mut cases = cases(&[("cornell", &scene)], &Plan::default(), &cpu)?;
+    let participants = [Participant::new(&cpu), Participant::new(&counting)];
+    let options = CheckOptions::default();
+    let report = check(&mut cases, &participants, &options, |_, _, _| {})?.report;
+    let gaps = report.gaps(&cases);
+    let steps: usize = report.cases.iter().map(|case| case.steps.len()).sum();
+    println!(
+        "{steps} steps of {} frames: {:?}, {} gaps",
+        cases.len(),
+        report.verdict(),
+        gaps.len()
+    );
+
+    let (settings, size) = (Settings::default(), [48, 48]);
+    let mut renderer = Renderer::new(&counting, &scene.0, &scene.1, size, &settings, 0)?;
+    renderer.frame()?;
+    let executable: &dyn Any = renderer.executable();
     let run = executable.downcast_ref::<Run>().ok_or("not our own")?;
-    let mut counted: Vec<_> = schedule.resources.iter().zip(&run.slots).collect();
+    let mut counted: Vec<_> = run.schedule.resources.iter().zip(&run.slots).collect();
     counted.sort_by_key(|(_, slot)| std::cmp::Reverse(slot.reads + slot.writes));
     for (resource, slot) in counted.iter().take(8) {
         let (Slot { reads, writes, .. }, key) = (slot, &resource.key);
         println!("{reads:>5} reads, {writes:>3} writes of {key}");
     }
-    Ok(ExitCode::from(u8::from(!equal)))
+    Ok(ExitCode::from(u8::from(
+        report.verdict() != Verdict::Equal || !gaps.is_empty(),
+    )))
 }

@@ -48,7 +48,7 @@ fn bounds_may_reach(bounds: u32, place: u32, reach: u32) -> bool {
     let above = 32u - BOUNDS_BITS;
     let shifts = vec3<u32>(above, above - BOUNDS_BITS, above - 2u * BOUNDS_BITS);
     // What lies below a coordinate does not change it: the shift to the right rounds down.
-    let lower = (vec3<u32>(place) << shifts) & vec3<u32>(0xffffffffu << above);
+    let lower = (vec3<u32>(place) << shifts) & vec3<u32>(~((1u << above) - 1u));
     let d = bitcast<vec3<i32>>((vec3<u32>(bounds) << shifts) - lower) >> vec3<u32>(above);
     let pairs = bounds >> (3u * BOUNDS_BITS);
     let most = i32(pairs * 2u * reach + BOUNDS_MARGIN);

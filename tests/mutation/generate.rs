@@ -96,10 +96,16 @@ impl Kernel {
 
     fn write(&self, mut module: Module) -> Result<String, String> {
         bound_loops(&mut module);
+        leave_names_to_globals(&mut module);
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         let info = validator.validate(&module).map_err(|e| e.to_string())?;
         let flags = naga::back::wgsl::WriterFlags::empty();
-        naga::back::wgsl::write_string(&module, &info, flags).map_err(|e| e.to_string())
+        let text =
+            naga::back::wgsl::write_string(&module, &info, flags).map_err(|e| e.to_string())?;
+        // What it says may be an error where it is read again, such as a constant that overflows.
+        let read = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text))?;
+        validator.validate(&read).map_err(|e| e.to_string())?;
+        Ok(text)
     }
 
     /// Everything that runs: `main` and what it calls.
@@ -459,6 +465,33 @@ fn swap_ways(block: &mut Block, left: &mut usize) -> bool {
         }
     }
     false
+}
+
+/// Ports are found by the names of globals, so nothing else may have one of theirs: the writer renames what collides.
+fn leave_names_to_globals(module: &mut Module) {
+    for (_, constant) in module.constants.iter_mut() {
+        constant.name = None;
+    }
+    let mut functions: Vec<&mut Function> = Vec::new();
+    for (_, function) in module.functions.iter_mut() {
+        function.name = None;
+        functions.push(function);
+    }
+    functions.extend(
+        module
+            .entry_points
+            .iter_mut()
+            .map(|entry| &mut entry.function),
+    );
+    for function in functions {
+        function.named_expressions.clear();
+        for (_, local) in function.local_variables.iter_mut() {
+            local.name = None;
+        }
+        for argument in &mut function.arguments {
+            argument.name = None;
+        }
+    }
 }
 
 /// Rounds of all loops of one call after which it gives up: far more than any kernel makes on the scenes of the cases,
