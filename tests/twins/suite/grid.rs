@@ -79,7 +79,14 @@ twin! {
     draw |d| {
         let g = super::shape(d);
         let p = super::pose(d, &g);
-        (p.position, grid::extents(&p), g, d.below(grid::PARTS))
+        let part = d.below(grid::PARTS);
+        if d.once_in(8) {
+            // Boxes that touch the cube's faces, and those of half-axes, to the bit.
+            let g = GridShape { centre: Vec3::ZERO, half: 2.0, ..g };
+            let mut at = || d.one_of(&[-2.5, -2.0, -1.5, 0.0, 1.5, 2.0, 2.5, 3.0]);
+            return (Vec3::new(at(), at(), at()), Vec3::splat(0.5), g, part);
+        }
+        (p.position, grid::extents(&p), g, part)
     },
     bound ROUNDED,
 }

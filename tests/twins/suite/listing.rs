@@ -17,8 +17,8 @@ pub fn functions() -> BTreeSet<String> {
     found
 }
 
-/// Functions without a twin of their own, and why. All are parts that their Rust module keeps to itself: the first function named
-/// calls them, and is tested over inputs that reach each of their branches.
+/// Functions without a twin of their own, each with the function that is tested in its place. They are parts that their Rust
+/// module keeps to itself, or writes out where it needs them: that function calls them, and its inputs reach their branches.
 pub const PARTS: &[(&str, &str)] = &[
     ("bounds::bounds_step", "bounds::bounds_place"),
     ("depth::depth_texel", "depth::depth_moments"),

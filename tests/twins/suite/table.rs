@@ -12,6 +12,7 @@ pub type Found = (String, Option<Box<dyn Backend>>);
 pub fn report(oracle: &dyn Backend, backends: &[Found]) -> String {
     let mut text = String::new();
     devices(oracle, backends, &mut text);
+    text.push_str("\n## Functions\n");
     let mut truths = String::new();
     let names: Vec<_> = backends.iter().map(|(name, _)| name.as_str()).collect();
     let header = |text: &mut String, first: &str, last: &str| {

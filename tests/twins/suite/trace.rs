@@ -79,6 +79,8 @@ twin! {
         let (u, v) = d.one_of(&[(u, v * (1.0 - u)), (u, v), (u, 0.0), (0.0, v), (u, 1.0 - u), (0.0, 0.0)]);
         let at = v0 + e1 * u + e2 * v;
         let origin = d.vector(-4, 7);
+        // Also from a corner, where the distance is zero.
+        let origin = d.one_of(&[origin, origin, origin, v0]);
         let any = super::direction(d);
         let way = (at - origin) * d.magnitude(-3, 3);
         let t_min = d.one_of(&[0.0, 0.0, 0.5]);
