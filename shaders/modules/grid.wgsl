@@ -67,7 +67,8 @@ struct GridSpan {
 /// How far a surfel reaches along each axis: the box around the flat ellipsoid outside which it has no weight.
 fn grid_extents(pose: SurfelPose) -> vec3<f32> {
     let flat = 1.0 - 1.0 / (LOOKUP_SQUASH * LOOKUP_SQUASH);
-    let across = max(vec3<f32>(1.0) - pose.normal * pose.normal * flat, vec3<f32>(0.0));
+    // The constant before the second factor: a driver may move it there.
+    let across = max(vec3<f32>(1.0) - pose.normal * flat * pose.normal, vec3<f32>(0.0));
     return pose.radius * GRID_MARGIN * sqrt(across);
 }
 

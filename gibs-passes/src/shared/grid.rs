@@ -123,7 +123,8 @@ const MARGIN: f32 = 1.001;
 #[inline]
 pub fn extents(pose: &SurfelPose) -> Vec3 {
     const FLAT: f32 = 1.0 - 1.0 / (lookup::SQUASH * lookup::SQUASH);
-    let across = (Vec3::ONE - pose.normal * pose.normal * FLAT).max(Vec3::ZERO);
+    // The constant before the second factor: a driver may move it there.
+    let across = (Vec3::ONE - pose.normal * FLAT * pose.normal).max(Vec3::ZERO);
     pose.radius * MARGIN * Vec3::new(across.x.sqrt(), across.y.sqrt(), across.z.sqrt())
 }
 

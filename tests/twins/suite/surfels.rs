@@ -1,0 +1,222 @@
+//! What surfels tell others: weights and depth functions; when they go, and where their rays go.
+use super::declare::{DIVIDED, EXACT, ROUNDED};
+use super::inputs::Draw;
+use gibs_graph::glam::{Vec2, Vec3};
+use gibs_passes::data::{SurfelDepth, SurfelPose};
+use gibs_passes::shared::{depth, hash, lookup, mixture, recycling};
+
+/// A surfel in the middle, and of a size that a place near it can be within.
+fn pose(d: &mut Draw) -> SurfelPose {
+    SurfelPose {
+        radius: d.magnitude(-8, 4),
+        normal: d.direction(),
+        ..SurfelPose::default()
+    }
+}
+
+/// From a surfel to a place: within its reach or a little beyond, in its plane or off it, or at its centre.
+fn to_place(d: &mut Draw, pose: &SurfelPose) -> Vec3 {
+    let way = match d.below(3) {
+        0 => d.direction(),
+        _ => (d.direction().cross(pose.normal) + pose.normal * d.between(-0.3, 0.3))
+            .normalize_or(Vec3::X),
+    };
+    let share = match d.below(5) {
+        0 => d.around(0.02),
+        1 => d.around(1.0),
+        _ => d.between(0.0, 2.2),
+    };
+    way * (pose.radius * share)
+}
+
+twin! {
+    steps ["lookup::lookup_steps"], (texel: u32) -> Vec2,
+    wgsl "lookup_steps(texel)",
+    rust Vec2::new((texel & 0xffff) as f32, (texel >> 16) as f32),
+    draw |d| (d.word(),),
+    bound EXACT,
+}
+twin! {
+    moments ["lookup::lookup_moments"], (texel: u32) -> Vec2,
+    wgsl "lookup_moments(texel)",
+    rust depth::moments(texel),
+    draw |d| (d.word(),),
+    bound EXACT,
+}
+twin! {
+    pack_moments ["lookup::lookup_pack_moments"], (m: Vec2) -> u32,
+    wgsl "lookup_pack_moments(m)",
+    rust depth::pack_moments(m),
+    // Among them the middles between two steps.
+    draw |d| {
+        let middle = (d.below(65_535) as f32 + 0.5) / 65_535.0;
+        let middle = d.around(middle);
+        let any = d.unit();
+        (Vec2::new(d.one_of(&[middle, any, 1.0, 1.5, -0.5]), d.unit()),)
+    },
+    bound ROUNDED,
+}
+twin! {
+    rescaled ["lookup::lookup_rescaled"], (texel: u32, shrinks: f32) -> u32,
+    wgsl "lookup_rescaled(texel, shrinks, shrinks * shrinks)",
+    rust depth::rescaled(&SurfelDepth { texels: [texel; 16] }, shrinks).texels[7],
+    draw |d| (d.word(), d.magnitude(-3, 4)),
+    bound ROUNDED,
+}
+twin! {
+    chebyshev ["lookup::lookup_chebyshev"], (m: Vec2, t: f32) -> f32,
+    wgsl "lookup_chebyshev(m, t)",
+    rust depth::chebyshev(m, t),
+    draw |d| {
+        let mean = d.unit();
+        let spread = d.number(-20, -1).abs();
+        let t = d.around(mean).abs();
+        let any = d.between(0.0, 2.0);
+        (Vec2::new(mean, mean * mean + spread), d.one_of(&[t, any]))
+    },
+    bound ROUNDED,
+}
+twin! {
+    trust ["lookup::lookup_trust"], (age: u32) -> f32,
+    wgsl "lookup_trust(age)",
+    rust lookup::trust(age),
+    draw |d| (d.word() % 70,),
+    bound DIVIDED,
+}
+twin! {
+    falloff ["lookup::lookup_falloff"], (d: Vec3, pose: SurfelPose) -> f32,
+    wgsl "lookup_falloff(d, pose)",
+    rust lookup::falloff(d, &pose),
+    draw |d| { let p = super::pose(d); (super::to_place(d, &p), p) },
+    bound ROUNDED,
+}
+twin! {
+    alignment ["lookup::lookup_alignment"], (normal: Vec3, pose: SurfelPose) -> f32,
+    wgsl "lookup_alignment(normal, pose)",
+    rust lookup::alignment(normal, &pose),
+    draw |d| (d.direction(), super::pose(d)),
+    bound ROUNDED,
+}
+
+/// Depth functions: open, closed, of one wall, of noise.
+pub fn depths() -> Vec<SurfelDepth> {
+    let texel = |i: u32, t: u32| match i % 4 {
+        0 => u32::MAX,
+        1 => hash::hash2(i, t),
+        2 => (1 + i % 9) * 0x0100_1000,
+        _ => (0x4000 + hash::hash2(i, t) % 0x4000) | (0x1000 + hash::hash2(t, i) % 0x4000) << 16,
+    };
+    (0..64)
+        .map(|i| SurfelDepth {
+            texels: std::array::from_fn(|t| texel(i, t as u32)),
+        })
+        .collect()
+}
+twin! {
+    depth_moments ["depth::depth_moments"], (surfel: u32, local: Vec3) -> Vec2,
+    wgsl "depth_moments(surfel, local)",
+    rust depth::depth_moments(&depths[surfel as usize], local),
+    draw |d| (d.below(64), d.upward()),
+    bound ROUNDED,
+    globals { depths: SurfelDepth = super::depths() },
+}
+twin! {
+    depth_visibility ["depth::depth_visibility"], (surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
+    wgsl "depth_visibility(surfel, pose, d)",
+    rust depth::visibility(&depths[surfel as usize], &pose, d),
+    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p)) },
+    bound ROUNDED,
+    globals { depths: SurfelDepth = super::depths() },
+}
+
+twin! {
+    looks ["recycling::recycling_looks"], (identity: u32, frame: u32) -> u32,
+    wgsl "u32(recycling_looks(identity, frame))",
+    rust u32::from(recycling::looks(identity, frame)),
+    draw |d| (d.word(), d.word()),
+    bound EXACT,
+}
+twin! {
+    chance ["recycling::recycling_chance"], (used: f32, unseen: u32, distance: f32, others: f32) -> f32,
+    wgsl "recycling_chance(used, unseen, distance, others)",
+    rust recycling::chance(used, unseen, distance, others),
+    draw |d| {
+        let unseen = d.below(20);
+        let used = d.around(0.5).clamp(0.0, 1.0);
+        let share = d.unit();
+        (
+            d.one_of(&[used, share, 1.0]),
+            d.one_of(&[unseen, 1000, u32::MAX - 1, u32::MAX]),
+            d.number(-10, 30).abs(),
+            d.number(-6, 6).abs(),
+        )
+    },
+    bound ROUNDED,
+}
+
+twin! {
+    goes_to_emitter ["mixture::mixture_goes_to_emitter"], (index: u32, shift: u32) -> u32,
+    wgsl "u32(mixture_goes_to_emitter(index, shift))",
+    rust u32::from(mixture::goes_to_emitter(index, shift)),
+    // Also the places about the threshold.
+    draw |d| {
+        let index = d.word();
+        let place = 1_431_655_808u32.wrapping_add(d.below(512)).wrapping_sub(256);
+        let any = d.word();
+        (index, d.one_of(&[any, place.wrapping_sub(index.wrapping_mul(0x9e37_79b9))]))
+    },
+    bound EXACT,
+}
+twin! {
+    lobe_density ["mixture::mixture_lobe_density"], (cosine: f32, emitters: u32) -> f32,
+    wgsl "mixture_lobe_density(cosine, emitters != 0u)",
+    rust mixture::lobe_density(cosine, emitters != 0),
+    draw |d| { let c = d.unit(); (d.one_of(&[c, c, -c, 1.0]), d.flag()) },
+    bound EXACT,
+}
+twin! {
+    guided_density ["mixture::mixture_guided_density"], (cosine: f32, of_guide: f32, guided: f32, emitters: u32) -> f32,
+    wgsl "mixture_guided_density(cosine, of_guide, guided, emitters != 0u)",
+    rust mixture::guided_density(cosine, of_guide, guided, emitters != 0),
+    draw |d| (d.unit(), d.number(-20, 6).abs(), 0.5 * d.unit(), d.flag()),
+    bound ROUNDED,
+}
+twin! {
+    follow_guide ["mixture::mixture_follow_guide"], (u: f32, guided: f32) -> [f32; 2],
+    wgsl "let c = mixture_follow_guide(u, guided); return array<f32, 2>(f32(c.guided), c.left);",
+    rust { let (guided, left) = mixture::follow_guide(u, guided); [f32::from(u8::from(guided)), left] },
+    draw |d| {
+        let guided = 0.5 * d.unit();
+        let near = d.around(guided).clamp(0.0, hash::ALMOST_ONE);
+        let any = d.unit();
+        (d.one_of(&[near, any]), guided)
+    },
+    bound DIVIDED,
+}
+twin! {
+    mixture_weight ["mixture::mixture_weight"], (cosine: f32, lobe: f32, emitter: f32) -> f32,
+    wgsl "mixture_weight(cosine, lobe, emitter)",
+    rust mixture::weight(cosine, lobe, emitter),
+    draw |d| (d.between(-0.2, 1.0), d.number(-20, 0).abs(), d.number(-20, 20).abs()),
+    bound ROUNDED,
+}
+
+twins!(
+    steps,
+    moments,
+    pack_moments,
+    rescaled,
+    chebyshev,
+    trust,
+    falloff,
+    alignment,
+    depth_moments,
+    depth_visibility,
+    looks,
+    chance,
+    goes_to_emitter,
+    lobe_density,
+    guided_density,
+    follow_guide,
+    mixture_weight,
+);
