@@ -6,12 +6,18 @@
 //!
 //! takes the number of mutants; without one, it runs all of them, some thousands. Each mutant has one operator, sign,
 //! constant, index, branch, store or barrier changed. It runs on the Vulkan backend from captures of the stage in several
-//! scenes and frames, and is caught where an output differs from the CPU's by more than the port's comparator allows. Prints
+//! scenes and frames, and is caught where an output differs from the CPU's by more than the port's comparator allows, or else
+//! where a twin test of the changed function fails. Prints
 //! the survivors and, kernel by kernel, how many were caught; exits with 1 below 95 %.
 #[path = "../tests/mutation/generate.rs"]
 mod generate;
 #[path = "../tests/mutation/run.rs"]
 mod run;
+#[allow(dead_code, reason = "the twin tests use the rest")]
+#[path = "../tests/twins/suite/mod.rs"]
+mod suite;
+#[path = "../tests/mutation/twins.rs"]
+mod twins;
 
 use gibs::backends::{Choice, open};
 use run::{Fate, sample, targets};
@@ -29,6 +35,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (oracle, device) = (open(Choice::Cpu)?, open(Choice::Vulkan)?);
     let start = Instant::now();
     let targets = targets(oracle.as_ref())?;
+    let twins = twins::Twins::new(oracle.as_ref())?;
     let all: usize = targets.iter().map(|target| target.kernel.len()).sum();
     eprintln!(
         "{} kernels, {all} changes, {} captures, after {:.0} s",
@@ -50,18 +57,20 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         start.elapsed().as_secs_f64()
     );
     let chosen = sample(&targets, most.min(all));
-    let mut counts = vec![[0_usize; 3]; targets.len()];
+    let mut counts = vec![[0_usize; 4]; targets.len()];
     for &(i, index) in &chosen {
-        let (what, fate) = targets[i].run(index, device.as_ref());
+        let (what, fate) = targets[i].run(index, &twins, device.as_ref());
         if fate == Fate::Survived {
             println!("survived: {}: #{index}: {what}", targets[i]);
         }
         counts[i][fate as usize] += 1;
     }
-    println!("\n| kernel | mutants | caught | survived |\n|---|---|---|---|");
-    let mut sums = [0; 3];
+    println!(
+        "\n| kernel | mutants | caught | by twin tests alone | survived |\n|---|---|---|---|---|"
+    );
+    let mut sums = [0; 4];
     for (target, count) in targets.iter().zip(&counts) {
-        let [_, caught, survived] = count;
+        let [_, caught, by_twins, survived] = count;
         println!(
             "| {target} | {} | {caught} | {survived} |",
             caught + survived
@@ -70,10 +79,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             *sum += n;
         }
     }
-    let [stillborn, caught, survived] = sums;
+    let [stillborn, by_check, by_twins, survived] = sums;
+    let caught = by_check + by_twins;
     let run = caught + survived;
     println!(
-        "\n{caught} of {run} mutants caught, {:.1} %; {stillborn} changes gave no valid kernel; {:.0} s on {}",
+        "\n{caught} of {run} mutants caught, {:.1} %, {by_twins} of them by twin tests alone; {stillborn} changes gave no valid kernel; {:.0} s on {}",
         100.0 * caught as f64 / run.max(1) as f64,
         start.elapsed().as_secs_f64(),
         device.device().name

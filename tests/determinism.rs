@@ -2,15 +2,18 @@
 mod common;
 
 use common::{all_backends, render, settings};
-use gibs::builtin;
 use gibs::passes::frame::Settings;
+use gibs::{Renderer, builtin};
 use gibs_backend_cpu::{CpuBackend, Options};
 
 #[test]
 fn two_runs_give_the_same_bits() {
     let scene = builtin::by_name("window-room").expect("built in");
     let settings = settings(8_000);
-    for backend in all_backends() {
+    for (backend, settings) in all_backends()
+        .iter()
+        .flat_map(|backend| [settings.clone(), pressed(8_000)].map(|settings| (backend, settings)))
+    {
         let first = render(backend.as_ref(), &scene, [80, 45], 12, &settings, 7);
         let second = render(backend.as_ref(), &scene, [80, 45], 12, &settings, 7);
         assert!(first == second, "{}: two runs differ", backend.name());
@@ -33,13 +36,42 @@ fn threads_and_order_do_not_show() {
 /// So it is where slots are short, rays are sorted, surfels are born at hits and lists do not fit.
 #[test]
 fn threads_and_order_do_not_show_under_pressure() {
-    only_the_settings_show(&Settings {
+    only_the_settings_show(&pressed(4_000));
+}
+
+/// Slots are short, rays are sorted, surfels are born at hits and lists do not fit.
+fn pressed(rays: u32) -> Settings {
+    Settings {
         surfels: 200,
         sorting: true,
         hit_births: 64,
         grid_lists: 2,
-        ..settings(4_000)
-    });
+        ..settings(rays)
+    }
+}
+
+/// The pressure is there: with more room, another settings would be tested.
+#[test]
+fn pressure_is_there() {
+    let (scene, view) = builtin::by_name("window-room").expect("built in");
+    let backend = common::cpu();
+    let mut renderer = Renderer::new(
+        backend.as_ref(),
+        &scene,
+        &view,
+        [48, 27],
+        &pressed(4_000),
+        3,
+    )
+    .expect("a renderer");
+    for _ in 0..6 {
+        renderer.frame().expect("a frame");
+    }
+    let counters = renderer.counters().expect("counters");
+    assert!(
+        counters.starved > 0 && counters.overflow > 0,
+        "{counters:?}"
+    );
 }
 
 fn only_the_settings_show(settings: &Settings) {

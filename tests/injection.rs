@@ -36,7 +36,7 @@ fn check(renderer: &mut Renderer, place: &str) -> usize {
         let mut ids = expected.remove(&cell).unwrap_or_default();
         if *list == DROPPED {
             // Behind the last that fits there is no room for an empty one either.
-            dropped += usize::from(!ids.is_empty());
+            dropped += 1;
             continue;
         }
         ids.sort_unstable();
@@ -59,6 +59,8 @@ fn check(renderer: &mut Renderer, place: &str) -> usize {
         taken.push(first..first + 2 * count);
     }
     assert!(expected.is_empty(), "{place}: cells beyond the grid");
+    assert!(dropped < cells.len(), "{place}: no list is left");
+    let room = entries.len();
     taken.retain(|range| !range.is_empty());
     taken.sort_by_key(|range| range.start);
     for pair in taken.windows(2) {
@@ -67,6 +69,13 @@ fn check(renderer: &mut Renderer, place: &str) -> usize {
             assert_eq!(pair[0].end, pair[1].start, "{place}: a hole");
         }
     }
+    // What was dropped had no room behind the last that fits: at least the half of the buffer is used by then, since no
+    // cell here has as many surfels as that.
+    let used = taken.last().map_or(0, |range| range.end);
+    assert!(
+        dropped == 0 || 2 * used > room,
+        "{place}: {used} of {room} words, and lists were dropped"
+    );
     dropped
 }
 

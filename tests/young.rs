@@ -8,7 +8,7 @@ use gibs::passes::data::{
 };
 use gibs::passes::frame::Settings;
 use gibs::passes::shared::depth;
-use gibs::passes::stages::positional_update::{LEARNS_FOR, SHRINKS_TO, radius_at};
+use gibs::passes::stages::positional_update::{LEARNS_FOR, LEARNS_UP_TO, SHRINKS_TO, radius_at};
 use gibs::{Renderer, builtin};
 
 fn left<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
@@ -76,7 +76,9 @@ fn young_surfels_shrink_where_rays_find_walls() {
                     continue;
                 }
                 let crowded = depth::is_crowded(&depths[i]);
-                let young = frame.wrapping_sub(births[i].frame) < LEARNS_FOR;
+                let open = radius_at(is.position, births[i].clearance, &camera, &grid, &on_device);
+                let grows = open > LEARNS_UP_TO * was.radius;
+                let young = !grows && frame.wrapping_sub(births[i].frame) < LEARNS_FOR;
                 let clearance = match crowded && young {
                     true => births[i].clearance.min(SHRINKS_TO * was.radius),
                     false => births[i].clearance,

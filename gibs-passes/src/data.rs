@@ -311,11 +311,12 @@ element! {
         transform_id: u32,
         /// Packed normal in the node's space.
         normal: u32,
-        /// Frame of birth.
+        /// Frame of birth; an earlier one where the surfel has grown too fast to learn from its depth function.
         frame: u32,
         /// Distance by which rays start off the surface.
         offset: f32,
-        /// Distance to the nearest surface around it, as far as the picture showed at its birth and rays told since, metres.
+        /// Most radius that its surroundings leave it: the distance to the nearest surface that the picture showed at its birth,
+        /// or half of the radius at which its rays found walls since. It never becomes larger. Metres.
         clearance: f32,
     }
 

@@ -25,6 +25,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
     let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
     var g: Gathered;
     var total = 0.0;
+    var first = 0.0;
     for (var i = 0u; i < count; i++) {
         if !bounds_may_reach(entries[cell.x + cell.y + i], place, 1u) {
             continue;
@@ -40,7 +41,11 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
         if weight < LOOKUP_LEAST_WEIGHT {
             continue;
         }
-        let dense = weight / (pose.radius * pose.radius);
+        if total == 0.0 {
+            first = pose.radius;
+        }
+        let shrinks = first / pose.radius;
+        let dense = weight * (shrinks * shrinks);
         g.irradiance += light[id].irradiance * dense;
         g.weight += weight;
         total += dense;

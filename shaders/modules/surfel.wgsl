@@ -9,6 +9,8 @@ const SURFEL_AT_HIT: u32 = 0x80000000u;
 const SURFEL_LEAST_SHARE: f32 = 0.25;
 /// Age, in frames, up to which a surfel shrinks where surfaces are close.
 const SURFEL_LEARNS_FOR: u32 = 32u;
+/// Growth in a frame beyond which a surfel learns no more.
+const SURFEL_LEARNS_UP_TO: f32 = 1.03125;
 /// What is left of the radius of a surfel that is too large for where it is, in a frame.
 const SURFEL_SHRINKS_TO: f32 = 0.5;
 

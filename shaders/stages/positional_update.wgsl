@@ -4,7 +4,7 @@ import package::invocation::invocation_index;
 @if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_rescaled};
 import package::octahedral::octahedral_unpack;
 import package::recycling::RECYCLING_LOST;
-import package::surfel::{SURFEL_SHRINKS_TO, SURFEL_LEARNS_FOR, surfel_radius_at};
+import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
 import package::types::{
     Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
 };
@@ -70,7 +70,13 @@ fn main(
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
     var clearance = birth.clearance;
-    if frame.number - birth.frame < SURFEL_LEARNS_FOR && is_crowded(i) {
+    let open = surfel_radius_at(position, clearance, camera, grid, settings);
+    var born = birth.frame;
+    if open > SURFEL_LEARNS_UP_TO * pose.radius && frame.number - born < SURFEL_LEARNS_FOR {
+        born = frame.number - SURFEL_LEARNS_FOR;
+        births[i].frame = born;
+    }
+    if frame.number - born < SURFEL_LEARNS_FOR && is_crowded(i) {
         clearance = min(clearance, SURFEL_SHRINKS_TO * pose.radius);
         births[i].clearance = clearance;
     }

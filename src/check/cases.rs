@@ -10,7 +10,7 @@ use gibs_passes::frame::{
     DebugView, ProbeFrame, ReferenceUpdate, SceneSizes, Screen, Settings, probe_frame,
     reference_frame, upload_probe_frame, upload_probes, upload_reference, upload_scene,
 };
-use gibs_passes::scene::{Environment, Scene};
+use gibs_passes::scene::{Camera, Environment, Scene};
 use gibs_passes::shared::{batch, octahedral, surface};
 use glam::{UVec4, Vec3, Vec4};
 use std::sync::Arc;
@@ -20,8 +20,10 @@ use std::sync::Arc;
 pub struct Plan {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Frames.
-    pub frames: u32,
+    /// Frames that are compared, from 0; those between run on the first participant alone. The camera moves sideways all
+    /// the time, backs away to twice the distance in frames 12 to 15, and comes back in frames 20 to 23; in frame 9, all
+    /// lights go down to a quarter.
+    pub frames: Vec<u32>,
     /// Surfels.
     pub surfels: u32,
     /// Rays of a frame.
@@ -35,7 +37,7 @@ impl Default for Plan {
     fn default() -> Self {
         Self {
             size: [48, 27],
-            frames: 3,
+            frames: vec![0, 1, 2, 10, 14, 22, 30],
             surfels: 1024,
             rays: 1000,
             all: false,
@@ -56,7 +58,13 @@ pub fn cases(
     let mut cases = Vec::new();
     for (i, (name, scene)) in scenes.iter().enumerate() {
         let usual = settings(plan);
-        cases.push(surfels(name, scene, plan.size, plan.frames, &usual)?);
+        cases.push(surfels(
+            name,
+            scene,
+            plan.size,
+            plan.frames.clone(),
+            &usual,
+        )?);
         if !plan.all && i > 0 {
             continue;
         }
@@ -78,7 +86,7 @@ pub fn cases(
             &format!("{name}, everything"),
             scene,
             plan.size,
-            plan.frames,
+            plan.frames.clone(),
             &everything,
         )?);
         let grid = Settings {
@@ -89,7 +97,7 @@ pub fn cases(
             &format!("{name}, debug view"),
             scene,
             plan.size,
-            plan.frames,
+            plan.frames.clone(),
             &grid,
         )?);
         cases.push(imported(
@@ -125,8 +133,8 @@ fn refused(error: RenderError) -> BackendError {
     }
 }
 
-/// The surfel frame of a scene as a case, with a camera that moves sideways by a hundredth of its distance a frame. Of a
-/// frame with `queries`, points within a metre around the origin are asked for.
+/// The surfel frame of a scene as a case, with the camera and lights that change as [`Plan::frames`] says. Of a frame with
+/// `queries`, points within a metre around the origin are asked for.
 ///
 /// # Errors
 /// As [`Renderer::new`].
@@ -134,7 +142,7 @@ pub fn surfels(
     name: &str,
     (scene, view): &(Scene, View),
     size: [u32; 2],
-    frames: u32,
+    frames: impl IntoIterator<Item = u32>,
     settings: &Settings,
 ) -> Result<Case<'static>, RenderError> {
     let mut gi = Gi::extended(scene, view, size, settings, Screen::Traced, |g, _| {
@@ -144,19 +152,68 @@ pub fn surfels(
     let mut log = UploadLog::new(schedule.clone());
     let start = view.camera;
     let asked = asked(&schedule, settings.queries);
+    let dimmed = dimmed(scene, view);
+    let ours = schedule.clone();
     Ok(Case::new(name, schedule, frames, move |frame| {
         if frame == 0 {
             gi.upload_scene(&mut log).map_err(refused)?;
         }
-        let mut camera = start;
-        // So that some surfels leave the picture and others come.
-        let aside = camera.axes()[0] * (camera.target - camera.position).length() * 0.01;
-        camera.position += aside * f64::from(frame);
+        if frame == DIMMED_IN {
+            let (scene, view) = &dimmed;
+            gi.set_scene(&mut log, scene, view).map_err(refused)?;
+            if !Arc::ptr_eq(gi.schedule(), &ours) {
+                return Err(BackendError::Refused {
+                    what: "dimming the lights".into(),
+                    reason: "it changes the schedule".into(),
+                    remedy: "check frames before that with `Plan::frames`".into(),
+                });
+            }
+        }
+        let camera = moved(&start, frame);
         gi.begin_frame(&mut log, &camera, None).map_err(refused)?;
         let mut uploads = log.take();
         uploads.extend(asked.iter().cloned());
         Ok(uploads)
     }))
+}
+
+/// Frame in which the lights go down.
+const DIMMED_IN: u32 = 9;
+
+/// The same with a quarter of all light.
+fn dimmed(scene: &Scene, view: &View) -> (Scene, View) {
+    let (mut scene, mut view) = (scene.clone(), view.clone());
+    for material in &mut scene.materials {
+        material.emission *= 0.25;
+    }
+    for light in &mut scene.lights {
+        light.intensity *= 0.25;
+    }
+    if let Some(sun) = &mut view.sun {
+        sun.irradiance *= 0.25;
+    }
+    match &mut view.environment {
+        Environment::Constant(radiance) => *radiance *= 0.25,
+        Environment::Map(map) => map.texels.iter_mut().for_each(|texel| *texel *= 0.25),
+        _ => {}
+    }
+    (scene, view)
+}
+
+/// Where the camera is in a frame.
+fn moved(start: &Camera, frame: u32) -> Camera {
+    let mut camera = *start;
+    let away = camera.position - camera.target;
+    let aside = camera.axes()[0] * away.length() * 0.01 * f64::from(frame);
+    let back = match frame {
+        0..12 => 0,
+        12..16 => frame - 11,
+        16..20 => 4,
+        20..24 => 23 - frame,
+        _ => 0,
+    };
+    camera.position += away * 0.25 * f64::from(back) + aside;
+    camera
 }
 
 /// Points around the origin of the scene that a program asks for light at.
@@ -215,17 +272,22 @@ fn imported(
     let images = draw(&gi, &points, eye, view.camera.axes()[2].as_vec3(), &host);
     let mut log = UploadLog::new(schedule.clone());
     let camera = view.camera;
-    Ok(Case::new(name, schedule, plan.frames, move |frame| {
-        if frame == 0 {
-            gi.upload_scene(&mut log).map_err(refused)?;
-            for (resource, bytes) in &images {
-                log.upload(*resource, 0, bytes)?;
+    Ok(Case::new(
+        name,
+        schedule,
+        plan.frames.clone(),
+        move |frame| {
+            if frame == 0 {
+                gi.upload_scene(&mut log).map_err(refused)?;
+                for (resource, bytes) in &images {
+                    log.upload(*resource, 0, bytes)?;
+                }
             }
-        }
-        gi.begin_frame(&mut log, &camera, Some(&host))
-            .map_err(refused)?;
-        Ok(log.take())
-    }))
+            gi.begin_frame(&mut log, &camera, Some(&host))
+                .map_err(refused)?;
+            Ok(log.take())
+        },
+    ))
 }
 
 /// What an engine would have drawn of these points.
@@ -288,32 +350,33 @@ fn reference(
     let mut log = UploadLog::new(schedule.clone());
     let size = plan.size;
     let camera = view.camera;
-    Ok(Case::new(name, schedule, plan.frames, move |frame| {
-        if frame == 0 {
-            upload_scene(&mut log, &device)?;
-            if let Some(primary) = log.schedule().resource("primary") {
-                let points = plane(&device, &camera, size);
-                log.upload(primary, 0, bytemuck::cast_slice(&points))?;
+    Ok(Case::new(
+        name,
+        schedule,
+        plan.frames.clone(),
+        move |frame| {
+            if frame == 0 {
+                upload_scene(&mut log, &device)?;
+                if let Some(primary) = log.schedule().resource("primary") {
+                    let points = plane(&device, &camera, size);
+                    log.upload(primary, 0, bytemuck::cast_slice(&points))?;
+                }
             }
-        }
-        let update = ReferenceUpdate {
-            size,
-            samples: 4,
-            number: frame,
-            seed: 0,
-            emitters: true,
-        };
-        upload_reference(&mut log, &device, &update)?;
-        Ok(log.take())
-    }))
+            let update = ReferenceUpdate {
+                size,
+                samples: 64,
+                number: frame,
+                seed: 0,
+                emitters: true,
+            };
+            upload_reference(&mut log, &device, &update)?;
+            Ok(log.take())
+        },
+    ))
 }
 
 /// White points on a plane that faces the camera, halfway to what it looks at; every seventh pixel sees nothing.
-fn plane(
-    device: &DeviceScene,
-    camera: &gibs_passes::scene::Camera,
-    [width, height]: [u32; 2],
-) -> Vec<SurfacePoint> {
+fn plane(device: &DeviceScene, camera: &Camera, [width, height]: [u32; 2]) -> Vec<SurfacePoint> {
     let [right, up, forward] = camera.axes();
     let reach = (camera.target - camera.position).length() * 0.5;
     let normal = octahedral::pack(-forward.as_vec3());
@@ -354,11 +417,16 @@ fn probes(plan: &Plan) -> Result<Case<'static>, RenderError> {
     probe_frame(&mut g, &frame, &table);
     let schedule = kept(g)?;
     let mut log = UploadLog::new(schedule.clone());
-    Ok(Case::new("probes", schedule, plan.frames, move |number| {
-        if number == 0 {
-            upload_probes(&mut log, &frame, &table)?;
-        }
-        upload_probe_frame(&mut log, &table, number, 0)?;
-        Ok(log.take())
-    }))
+    Ok(Case::new(
+        "probes",
+        schedule,
+        plan.frames.clone(),
+        move |number| {
+            if number == 0 {
+                upload_probes(&mut log, &frame, &table)?;
+            }
+            upload_probe_frame(&mut log, &table, number, 0)?;
+            Ok(log.take())
+        },
+    ))
 }

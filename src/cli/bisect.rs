@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         &args.scene.scene,
         &scene,
         loaded.size,
-        args.frames,
+        0..args.frames,
         &settings,
     )?;
     let participants = [0, 1].map(|i| Participant::named(names[i], backends[i].as_ref()));

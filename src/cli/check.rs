@@ -32,9 +32,9 @@ pub struct Args {
     /// Only steps and stages of which the name contains this
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// Frames of each case
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
-    frames: u32,
+    /// Compare the first N frames, instead of some early and some later ones up to the 30th
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
     /// Width and height of the pictures
     #[arg(long, value_name = "WxH", default_value = "48x27", value_parser = super::scene::size)]
     size: [u32; 2],
@@ -172,18 +172,19 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .iter()
         .map(|(name, scene)| (name.as_str(), scene))
         .collect();
+    let usual = Plan::default();
     let plan = Plan {
         size: args.size,
-        frames: args.frames,
+        frames: args.frames.map_or(usual.frames, |n| (0..n).collect()),
         all: args.all,
-        ..Plan::default()
+        ..usual
     };
     let oracle = participants.first().map(|p| p.backend);
     let mut cases = match oracle {
         Some(oracle) => cases(&named, &plan, oracle)?,
         None => Vec::new(),
     };
-    let bar = progress(cases.len() as u64 * u64::from(args.frames), "frames");
+    let bar = progress((cases.len() * plan.frames.len()) as u64, "frames");
     let mut checked = check(&mut cases, &participants, &options, |_, _, _| bar.inc(1))?;
     bar.finish_and_clear();
     let unmet = expectations.apply(&mut checked.report);

@@ -28,7 +28,7 @@ fn case(frames: u32) -> Case<'static> {
         ..Settings::default()
     };
     let scene = builtin::by_name("cornell").expect("built in");
-    surfels("cornell", &scene, [48, 27], frames, &settings).expect("a frame")
+    surfels("cornell", &scene, [48, 27], 0..frames, &settings).expect("a frame")
 }
 
 fn sabotaged(stage: &'static str, port: &'static str, from: u32, damage: Damage) -> Sabotaged {

@@ -26,7 +26,7 @@ fn case() -> Case<'static> {
         ..Settings::default()
     };
     let scene = builtin::by_name("cornell").expect("built in");
-    surfels("cornell", &scene, plan.size, 2, &settings).expect("a frame")
+    surfels("cornell", &scene, plan.size, 0..2, &settings).expect("a frame")
 }
 
 fn against(other: &dyn Backend) -> (Checked, [Case<'static>; 1]) {

@@ -51,7 +51,7 @@ fn judged(close: usize, port: &'static str, damage: fn(&mut Vec<u8>)) -> (Verdic
         })
         .collect();
     let bytes: Vec<u8> = bytemuck::cast_slice(&values).to_vec();
-    let mut cases = [Case::new("judge", schedule.into(), 1, move |_| {
+    let mut cases = [Case::new("judge", schedule.into(), 0..1, move |_| {
         Ok(vec![Upload {
             resource,
             offset: 0,

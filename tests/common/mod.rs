@@ -110,8 +110,7 @@ pub fn cpu() -> Box<dyn Backend> {
     backends::open(Choice::Cpu).expect("the CPU backend needs nothing")
 }
 
-/// Settings with a smaller budget than the default, for small pictures, and with ray sorting, whose stages would not run
-/// otherwise.
+/// Settings with a smaller budget than the default, for small pictures.
 pub fn settings(rays: u32) -> Settings {
     Settings {
         rays,

@@ -36,7 +36,12 @@ enum Change {
 }
 
 /// A change with its description.
-type Described = (String, Change);
+struct Described {
+    what: String,
+    /// Name of the function, or of the constant.
+    function: String,
+    change: Change,
+}
 
 /// A kernel, and everything that can be changed about it.
 pub struct Kernel {
@@ -63,6 +68,23 @@ impl Kernel {
         self.changes.len()
     }
 
+    /// The function, or constant, that a change is in, and which of its changes it is.
+    pub fn place_of(&self, index: usize) -> (&str, usize) {
+        let function = self.changes[index].function.as_str();
+        let before = self.changes[..index].iter();
+        (
+            function,
+            before.filter(|change| change.function == function).count(),
+        )
+    }
+
+    /// The change that [`Kernel::place_of`] would say this of.
+    pub fn index_of(&self, function: &str, ordinal: usize) -> Option<usize> {
+        let changes = self.changes.iter().enumerate();
+        let mut those = changes.filter(|(_, change)| change.function == function);
+        those.nth(ordinal).map(|(index, _)| index)
+    }
+
     /// The kernel as it is, written and bounded as mutants are.
     pub fn original(&self) -> Result<String, String> {
         self.write(self.module.clone())
@@ -70,7 +92,7 @@ impl Kernel {
 
     /// A mutant; an error where the change gives no valid kernel.
     pub fn mutant(&self, index: usize) -> Result<Mutant, String> {
-        let (what, change) = &self.changes[index];
+        let Described { what, change, .. } = &self.changes[index];
         let mut module = self.module.clone();
         match change {
             Change::Expression(place, handle, new) => {
@@ -145,7 +167,7 @@ impl Kernel {
             let used = used(function);
             for (handle, expression) in function.expressions.iter() {
                 if let Expression::Constant(constant) = expression {
-                    constants.insert(self.module.constants[*constant].init);
+                    constants.insert(*constant);
                 }
                 if !used.contains(&handle) {
                     continue;
@@ -153,14 +175,22 @@ impl Kernel {
                 let line = self.line(function.expressions.get_span(handle));
                 for (what, new) in alternatives(function, expression) {
                     let change = Change::Expression(place, handle, new);
-                    changes.push((format!("{name}: {what}: {line}"), change));
+                    changes.push(Described {
+                        what: format!("{name}: {what}: {line}"),
+                        function: name.into(),
+                        change,
+                    });
                 }
             }
             let mut index = 0;
             visit_spans(&function.body, &mut |statement, span| {
                 let line = self.line(span);
                 let mut add = |what: &str, change| {
-                    changes.push((format!("{name}: {what}: {line}"), change));
+                    changes.push(Described {
+                        what: format!("{name}: {what}: {line}"),
+                        function: name.into(),
+                        change,
+                    });
                 };
                 match statement {
                     Statement::Store { .. } | Statement::ImageStore { .. } => {
@@ -182,12 +212,17 @@ impl Kernel {
                 index += 1;
             });
         }
-        for handle in constants {
+        for constant in constants {
+            let constant = &self.module.constants[constant];
+            let (name, handle) = (constant.name.as_deref().unwrap_or_default(), constant.init);
             let line = self.line(self.module.global_expressions.get_span(handle));
             if let Expression::Literal(literal) = self.module.global_expressions[handle] {
                 for (what, new) in literals(literal) {
-                    let change = Change::Constant(handle, Expression::Literal(new));
-                    changes.push((format!("constant: {what}: {line}"), change));
+                    changes.push(Described {
+                        what: format!("constant {name}: {what}: {line}"),
+                        function: format!("constant {name}"),
+                        change: Change::Constant(handle, Expression::Literal(new)),
+                    });
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! Mutants against captures of the stages that they are mutants of.
 use crate::generate::Kernel;
+use crate::twins::Twins;
 use gibs::builtin;
 use gibs::check::{Capture, Participant, Plan, cases, record, replay, verify};
 use gibs::graph::{Action, Backend, StageInfo, WgslSource};
@@ -9,10 +10,11 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// Captures of each kernel: those of different scenes and frames find what one alone would not.
-const CAPTURES: usize = 8;
+const CAPTURES: usize = 24;
 
-/// Frames that are captured: the first has no surfels to begin with, later ones have some that go.
-const FRAMES: [u32; 2] = [0, 3];
+/// Frames that are captured: the first has no surfels to begin with; then lights change, the camera backs away, and surfels
+/// have learned.
+const FRAMES: [u32; 6] = [0, 2, 10, 14, 22, 30];
 
 /// A kernel with the features of its bound ports, and what it has been captured doing.
 pub struct Target {
@@ -29,7 +31,9 @@ pub enum Fate {
     Stillborn,
     /// Some output differed from the oracle's, or the device refused it.
     Caught,
-    /// No capture showed a difference.
+    /// No capture showed a difference, but a twin test did.
+    CaughtByTwins,
+    /// Nothing showed a difference.
     Survived,
 }
 
@@ -51,7 +55,7 @@ pub fn targets(oracle: &dyn Backend) -> Result<Vec<Target>, Box<dyn std::error::
         .collect();
     let scenes: Vec<_> = scenes.iter().map(|(name, scene)| (*name, scene)).collect();
     let plan = Plan {
-        frames: FRAMES[1] + 1,
+        frames: FRAMES.to_vec(),
         ..plan()
     };
     let mut found: BTreeMap<(&str, Vec<&str>), Vec<Capture>> = BTreeMap::new();
@@ -63,7 +67,7 @@ pub fn targets(oracle: &dyn Backend) -> Result<Vec<Target>, Box<dyn std::error::
                 let key = (dispatch.stage, dispatch.features());
                 let before = found.get(&key).map_or(0, Vec::len);
                 let new = taken.entry(key).or_default();
-                let takes = *new < 2 && before + *new < CAPTURES;
+                let takes = *new < 1 && before + *new < CAPTURES;
                 *new += usize::from(takes);
                 takes
             })?;
@@ -130,13 +134,19 @@ impl Target {
     }
 
     /// Runs one mutant: its description and what became of it.
-    pub fn run(&self, index: usize, device: &dyn Backend) -> (String, Fate) {
+    pub fn run(&self, index: usize, twins: &Twins, device: &dyn Backend) -> (String, Fate) {
         let Ok(mutant) = self.kernel.mutant(index) else {
             return (String::new(), Fate::Stillborn);
         };
         let fate = match self.differs(&mutant.text, device) {
-            Ok(()) => Fate::Survived,
             Err(_) => Fate::Caught,
+            Ok(()) => {
+                let (function, ordinal) = self.kernel.place_of(index);
+                match function != "main" && twins.catch(function, ordinal, device) {
+                    true => Fate::CaughtByTwins,
+                    false => Fate::Survived,
+                }
+            }
         };
         (mutant.what, fate)
     }

@@ -5,7 +5,7 @@ use super::contents::Contents;
 use super::lockstep::{CheckOptions, Lockstep, written};
 use super::report::Verdict;
 use super::{Capture, Case, CheckError, Difference, Participant};
-use crate::{BackendError, Executable, Kind, Order, Schedule};
+use crate::{BackendError, Executable, Order, Schedule};
 
 /// The first place where two backends part.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ pub enum Way {
 /// comparators of the stages allow; then goes through that frame in lockstep, from what the first one had before it, and
 /// gives the first step that differs. `None` where they agree to the end.
 ///
-/// With `exact`, the first bit that differs counts, where elements have an order.
+/// All frames up to the last one of the case are looked at. With `exact`, the first bit that differs counts, where elements have an order.
 ///
 /// # Errors
 /// As [`check`](super::check).
@@ -79,7 +79,8 @@ pub fn bisect(
         execs.push(exec.map_err(|source| failed(0, "prepare", participant.name, source))?);
     }
     let mut before = Contents::new(&schedule);
-    for frame in 0..case.frames {
+    let frames = case.frames.last().map_or(0, |last| last + 1);
+    for frame in 0..frames {
         let uploads = case.uploads(frame).map_err(|source| CheckError::Feed {
             case: schedule.name.clone(),
             frame,
@@ -109,25 +110,12 @@ pub fn bisect(
             source: Box::new(source),
         })?;
         before.write(uploads);
-        keep(&schedule, a.as_mut(), &mut before)
+        before
+            .keep(&schedule, a.as_mut())
             .map_err(|source| failed(frame, "frame", participants[0].name, source))?;
-        progress(frame + 1, case.frames);
+        progress(frame + 1, frames);
     }
     Ok(None)
-}
-
-/// Takes over what the frame has changed for the next one.
-fn keep(
-    schedule: &Schedule,
-    exec: &mut dyn Executable,
-    contents: &mut Contents,
-) -> Result<(), BackendError> {
-    for (id, resource) in (0..).zip(&schedule.resources) {
-        if resource.kind.persists() && resource.kind != Kind::Input {
-            contents.current[id as usize] = exec.read(id)?;
-        }
-    }
-    Ok(())
 }
 
 /// The first step of a frame whose last word on a resource differs between two executables that have run it.

@@ -74,8 +74,9 @@ pub struct Case<'a> {
     /// The frame. Compile it after [`Graph::keep_transients`](crate::Graph::keep_transients), so that everything that a
     /// step writes can be read.
     pub schedule: Arc<Schedule>,
-    /// Frames to run.
-    pub frames: u32,
+    /// Frames to compare, ascending, from 0. Those between run on the first participant alone, and the others go on from
+    /// what it has.
+    pub frames: Vec<u32>,
     feed: Box<Feed<'a>>,
     /// Of the frames so far.
     fed: Vec<Vec<Upload>>,
@@ -90,13 +91,13 @@ impl<'a> Case<'a> {
     pub fn new(
         name: impl Into<String>,
         schedule: Arc<Schedule>,
-        frames: u32,
+        frames: impl IntoIterator<Item = u32>,
         feed: impl FnMut(u32) -> Result<Vec<Upload>, BackendError> + 'a,
     ) -> Self {
         Self {
             name: name.into(),
             schedule,
-            frames,
+            frames: frames.into_iter().collect(),
             feed: Box::new(feed),
             fed: Vec::new(),
         }

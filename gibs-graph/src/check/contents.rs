@@ -1,7 +1,7 @@
 //! What the resources of a schedule hold, on the host.
 use super::Upload;
 use super::compare::UNWRITTEN;
-use crate::{Kind, Resource, ResourceId, Schedule};
+use crate::{BackendError, Executable, Kind, Resource, ResourceId, Schedule};
 
 /// What the resources of a schedule hold.
 #[derive(Clone)]
@@ -37,6 +37,20 @@ impl Contents {
             self.current[upload.resource as usize][from..from + upload.bytes.len()]
                 .copy_from_slice(&upload.bytes);
         }
+    }
+
+    /// What a frame has changed for the next one.
+    pub fn keep(
+        &mut self,
+        schedule: &Schedule,
+        exec: &mut dyn Executable,
+    ) -> Result<(), BackendError> {
+        for (id, resource) in (0..).zip(&schedule.resources) {
+            if matches!(resource.kind, Kind::State(_) | Kind::History(_)) {
+                self.current[id as usize] = exec.read(id)?;
+            }
+        }
+        Ok(())
     }
 
     /// Begins a frame.

@@ -7,7 +7,8 @@ use super::judge::{Judge, steps, tally};
 use super::report::{CaseReport, Lane, Report};
 use super::{Capture, Case, CheckError, Participant};
 use crate::{
-    Action, BackendError, Comparator, DispatchStep, Executable, Order, ResourceId, Schedule, Step,
+    Action, BackendError, Comparator, DispatchStep, Executable, Kind, Order, ResourceId, Schedule,
+    Step,
 };
 
 /// What is checked how.
@@ -59,7 +60,7 @@ pub(crate) fn written(step: &Step) -> Vec<Written> {
     }
 }
 
-/// Runs each case on all participants and holds every pair of them against each other after every step. The first one is
+/// Runs the frames of each case on all participants and holds every pair of them against each other after every step. The first one is
 /// the oracle: all go on from its values, and it tells what a rounding decides. `progress` hears of finished frames of a
 /// case.
 ///
@@ -88,9 +89,11 @@ pub fn check(
     for case in cases.iter_mut() {
         case.keeps_transients()?;
         let mut run = Lockstep::new(case, participants, options)?;
-        for frame in 0..case.frames {
+        let frames = case.frames.clone();
+        for (done, &frame) in (1..).zip(&frames) {
+            run.skip_to(case, frame)?;
             run.frame(case, frame, &mut checked.captures, &mut |_, _| false)?;
-            progress(&case.name, frame + 1, case.frames);
+            progress(&case.name, done, frames.len() as u32);
         }
         checked.report.cases.push(run.report);
     }
@@ -118,6 +121,8 @@ pub(crate) struct Lockstep<'a> {
     execs: Vec<Box<dyn Executable>>,
     /// What each resource holds on all of them.
     contents: Contents,
+    /// The next frame.
+    next: u32,
     pub report: CaseReport,
 }
 
@@ -149,6 +154,7 @@ impl<'a> Lockstep<'a> {
             schedule: schedule.clone(),
             participants,
             options,
+            next: 0,
         })
     }
 
@@ -160,6 +166,61 @@ impl<'a> Lockstep<'a> {
             }
         }
         self.contents = contents.clone();
+        Ok(())
+    }
+
+    /// Runs frames on the first participant alone, up to this one, which comes next on all.
+    pub fn skip_to(&mut self, case: &mut Case<'_>, frame: u32) -> Result<(), CheckError> {
+        if self.next >= frame {
+            return Ok(());
+        }
+        let name = case.name.clone();
+        let first = self.participants[0].name;
+        for number in self.next..frame {
+            let failed = |backend: &str, source| CheckError::Backend {
+                case: name.clone(),
+                frame: number,
+                step: "frame".into(),
+                backend: backend.into(),
+                source: Box::new(source),
+            };
+            let uploads = case.uploads(number).map_err(|source| CheckError::Feed {
+                case: name.clone(),
+                frame: number,
+                source: Box::new(source),
+            })?;
+            for (exec, participant) in self.execs.iter_mut().zip(self.participants) {
+                let uploaded = uploads
+                    .iter()
+                    .try_for_each(|up| exec.upload(up.resource, up.offset, &up.bytes));
+                uploaded.map_err(|source| failed(participant.name, source))?;
+            }
+            self.contents.write(uploads);
+            self.execs[0]
+                .run()
+                .map_err(|source| failed(first, source))?;
+        }
+        let schedule = self.schedule.clone();
+        let mut settle = || {
+            self.contents.keep(&schedule, self.execs[0].as_mut())?;
+            for (id, resource) in (0..).zip(&schedule.resources) {
+                if !matches!(resource.kind, Kind::State(_) | Kind::History(_)) {
+                    continue;
+                }
+                for exec in &mut self.execs[1..] {
+                    exec.upload(id, 0, &self.contents.current[id as usize])?;
+                }
+            }
+            Ok(())
+        };
+        settle().map_err(|source| CheckError::Backend {
+            case: name.clone(),
+            frame,
+            step: "state".into(),
+            backend: first.into(),
+            source: Box::new(source),
+        })?;
+        self.next = frame;
         Ok(())
     }
 
@@ -226,7 +287,8 @@ impl<'a> Lockstep<'a> {
             self.settle(step, outputs)
                 .map_err(|source| failed("all", &step.label, source))?;
         }
-        self.report.frames = frame + 1;
+        self.report.frames += 1;
+        self.next = frame + 1;
         Ok(())
     }
 
@@ -363,10 +425,7 @@ pub fn record(
     let (participants, options) = ([participant], CheckOptions::default());
     let mut run = Lockstep::new(case, &participants, &options)?;
     let mut captures = Vec::new();
-    for number in 0..=frame {
-        let mut in_time =
-            |label: &str, dispatch: &DispatchStep| number == frame && wanted(label, dispatch);
-        run.frame(case, number, &mut captures, &mut in_time)?;
-    }
+    run.skip_to(case, frame)?;
+    run.frame(case, frame, &mut captures, &mut wanted)?;
     Ok(captures)
 }

@@ -145,7 +145,9 @@ impl Report {
                 .filter(|report| report.name == case.name)
                 .collect::<Vec<_>>()[..]
             {
-                [report] => self.gaps_of(report, &case.schedule, case.frames, &mut gaps),
+                [report] => {
+                    self.gaps_of(report, &case.schedule, case.frames.len() as u32, &mut gaps)
+                }
                 _ => gaps.push(Gap::new(&case.name, "", "", "the case is not there once")),
             }
         }

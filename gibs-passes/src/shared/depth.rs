@@ -33,7 +33,7 @@ const CLOSE: u32 = DEPTH_SIDE * DEPTH_SIDE * RADIUS_STEPS / 32;
 
 /// Whether a surfel has learned that surfaces are so close that its irradiance says little of places a radius away (Ward,
 /// Rubinstein and Clear 1988: irradiance changes over the distance to what is around). Only what is nearer than a radius
-/// counts, so that a surfel that has just grown is not taken for one that is hemmed in. Summed in whole steps; what is unknown
+/// counts; of a surfel that has more than doubled since it learned, that is everything. Summed in whole steps; what is unknown
 /// is far.
 #[inline]
 pub fn is_crowded(depth: &SurfelDepth) -> bool {

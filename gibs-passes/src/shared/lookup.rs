@@ -26,7 +26,8 @@ pub const AVERAGE_OF: usize = 8;
 pub const AVERAGE_LEAST: f32 = 0.25;
 
 /// Summed weight at which a lookup at a ray's hit ends: the surfels of a list come in no order, so that its first ones are
-/// an unbiased subset, and what that adds in noise is little beside that of the ray. At a pixel it would show.
+/// a random subset, and what that adds in noise is little beside that of the ray. At a pixel it would show. One that ends the
+/// lookup keeps smaller ones, which would count for more, from being found.
 pub const ENOUGH_AT_HITS: f32 = 2.0;
 
 /// Age, in frames, at which a surfel's irradiance is fully trusted as the light of further bounces. Younger, it lacks
@@ -209,6 +210,7 @@ pub fn gather(
     };
     let mut g = Gathered::default();
     let mut total = 0.0;
+    let mut first = 0.0;
     for &id in list.ids {
         let id = id as usize;
         let pose = &s.poses[id];
@@ -221,8 +223,13 @@ pub fn gather(
         if weight < LEAST_WEIGHT {
             continue;
         }
-        // Its kernel is spread over its disc: where small ones were needed, a large one says less.
-        let dense = weight / (pose.radius * pose.radius);
+        if total == 0.0 {
+            first = pose.radius;
+        }
+        // Its kernel is spread over its disc: where small ones were needed, a large one says less. Over the first one's, so
+        // that sizes of scenes do not matter.
+        let shrinks = first / pose.radius;
+        let dense = weight * (shrinks * shrinks);
         g.irradiance += light[id].irradiance * dense;
         g.weight += weight;
         total += dense;

@@ -4,7 +4,7 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Counts the surfels of each cell's list that are not `gone` since. A list that was dropped has none, and takes no room.
+    /// Counts the surfels of each cell's list that are not `gone` since. A list that was dropped has none.
     pub stage GridLeave {
         wgsl: gibs_shaders::stages::GRID_LEAVE,
         workgroup: [64, 1, 1],

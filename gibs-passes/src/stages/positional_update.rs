@@ -35,9 +35,12 @@ stage! {
 /// Least radius of a surfel beside a wall, over what it would be in the open.
 pub const LEAST_SHARE: f32 = 0.25;
 
-/// Age, in frames, up to which a surfel shrinks where surfaces are close. One that grows later, as the camera backs away, takes
-/// for close what it has not seen yet.
+/// Age, in frames, up to which a surfel shrinks where surfaces are close.
 pub const LEARNS_FOR: u32 = 32;
+
+/// Growth in a frame beyond which a surfel learns no more, as if it were older: what it has not seen yet looks close then. A camera
+/// that backs away by a thirty-second of its distance in a frame doubles it in 22.
+pub const LEARNS_UP_TO: f32 = 1.03125;
 
 /// What is left, in a frame, of the radius of a surfel that is too large for where it is.
 pub const SHRINKS_TO: f32 = 0.5;
@@ -74,7 +77,13 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
-        let learns = p.frame.number.wrapping_sub(birth.frame) < LEARNS_FOR;
+        let number = p.frame.number;
+        let open = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
+        if open > LEARNS_UP_TO * pose.radius && number.wrapping_sub(birth.frame) < LEARNS_FOR {
+            birth.frame = number.wrapping_sub(LEARNS_FOR);
+            p.births.set(i, birth);
+        }
+        let learns = number.wrapping_sub(birth.frame) < LEARNS_FOR;
         if learns && !p.depths.is_empty() && depth::is_crowded(&p.depths.get(i)) {
             birth.clearance = birth.clearance.min(SHRINKS_TO * pose.radius);
             p.births.set(i, birth);

@@ -33,7 +33,8 @@ fn depth_functions_follow_the_diameter() {
     }
 }
 
-/// A wall at the rim, beyond the radius, is not close, nor what has grown; something near in one direction is.
+/// A wall at the rim, beyond the radius, is not close; something near in one direction is, and so is everything where a surfel
+/// has more than doubled.
 #[test]
 fn what_is_hemmed_in_is_crowded() {
     let with = |texel: f32| {

@@ -176,12 +176,17 @@ fn gathers(
     let batch = Batch::new(points, s);
     let mut gathered = [Gathered::default(); AT_A_TIME];
     let mut totals = [0.0; AT_A_TIME];
+    let mut firsts = [0.0; AT_A_TIME];
     let each = |at: usize, id: usize, weight: f32| {
         let at = at & (AT_A_TIME - 1);
         let (light, g, total) = (&light[id], &mut gathered[at], &mut totals[at]);
         if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
             let radius = s.poses[id].radius;
-            let dense = weight / (radius * radius);
+            if *total == 0.0 {
+                firsts[at] = radius;
+            }
+            let shrinks = firsts[at] / radius;
+            let dense = weight * (shrinks * shrinks);
             g.irradiance += light.irradiance * dense;
             g.weight += weight;
             *total += dense;
