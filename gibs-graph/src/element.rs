@@ -169,6 +169,11 @@ macro_rules! element {
 #[macro_export]
 macro_rules! element_layout {
     ($name:ident { $($field:ident : $ty:ty),* $(,)? }) => {
+        const _: () = assert!(
+            0 $(+ core::mem::size_of::<$ty>())* == core::mem::size_of::<$name>(),
+            "a layout lists every field with its type",
+        );
+
         impl $crate::Element for $name {
             fn layout() -> $crate::Layout {
                 $crate::Layout::Struct {

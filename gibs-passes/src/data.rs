@@ -49,7 +49,8 @@ element_layout!(WidePacket {
     e2: [[f32; 8]; 3],
     first: u32,
     count: u32,
-    padding: [u32; 6],
+    alpha: u32,
+    padding: [u32; 5],
 });
 
 element! {

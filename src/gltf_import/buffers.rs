@@ -54,7 +54,7 @@ fn content(file: &Path, i: usize, uri: &str) -> Result<(Vec<u8>, String), Import
         .map_err(|problem| ImportError::content(file, format!("buffers[{i}]"), problem))?
     {
         Target::Data(bytes) => Ok((bytes, "its data URI".to_owned())),
-        Target::File(path) => match std::fs::read(&path) {
+        Target::File(path) => match uri::read(&path) {
             Ok(bytes) => Ok((bytes, path.display().to_string())),
             Err(source) => Err(ImportError::Read { file: path, source }),
         },

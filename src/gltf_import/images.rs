@@ -46,7 +46,7 @@ fn read(
         (None, Some(uri)) => match uri::resolve(&source.file, uri)? {
             Target::Data(bytes) => (bytes.into(), String::new()),
             Target::File(path) => {
-                let bytes = std::fs::read(&path)
+                let bytes = uri::read(&path)
                     .map_err(|e| format!("cannot read {}: {e}; add the file", path.display()))?;
                 (bytes.into(), format!("{}: ", path.display()))
             }

@@ -39,6 +39,15 @@ pub(super) fn resolve(from: &Path, uri: &str) -> Result<Target, String> {
     Ok(Target::File(found.clone()))
 }
 
+/// Content of a file that a glTF refers to. A device or a pipe may have no end, and is none that an exporter writes.
+pub(super) fn read(path: &Path) -> std::io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(std::io::Error::other("it is a device and no file"));
+    }
+    std::fs::read(path)
+}
+
 /// The URI's scheme. One letter is a drive, not a scheme.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;

@@ -15,7 +15,8 @@ use std::path::Path;
 
 /// Reads a file; what is refused is refused with its name and a remedy, what is read is sound.
 fn read(path: &Path) -> Option<gibs::gltf_import::Imported> {
-    let name = path.file_name().expect("a file").to_string_lossy().into_owned();
+    // Of a file that the document refers to, the message names that.
+    let name = path.parent().expect("a folder").to_string_lossy().into_owned();
     match load(path) {
         Ok(mut imported) => {
             assert!(imported.warnings.iter().all(|warning| !warning.is_empty()));
@@ -137,4 +138,21 @@ proptest! {
         let path = folder.write("broken.gltf", root.to_string());
         watched(|| draw(&path));
     }
+}
+
+/// A device that has no end, in place of a buffer or a picture.
+#[cfg(unix)]
+#[test]
+fn a_device_in_place_of_a_file_is_refused() {
+    let folder = Folder::new();
+    let mut doc = Doc::square();
+    doc.root["buffers"] = json!([{"byteLength": doc.bin.len(), "uri": "/dev/zero"}]);
+    let error = load(&doc.write(&folder)).expect_err("it is no buffer").to_string();
+    assert!(error.contains("/dev/zero") && error.contains("device"), "{error}");
+    let mut doc = Doc::square();
+    doc.root["images"] = json!([{"uri": "/dev/zero"}]);
+    doc.root["textures"] = json!([{"source": 0}]);
+    doc.at("/materials/0/pbrMetallicRoughness")["baseColorTexture"] = json!({"index": 0});
+    let warnings = load(&doc.write(&folder)).expect("the rest is sound").warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("/dev/zero"), "{warnings:?}");
 }

@@ -102,19 +102,24 @@ fn on_their_own(recipe: &Recipe, compiler: &Compiler, backends: &[(&str, Box<dyn
 #[test]
 fn random_graphs_agree_on_every_backend() {
     let backends = backends();
-    let participants: Vec<_> = backends.iter().map(|(name, backend)| Participant::named(name, backend.as_ref())).collect();
+    // The kit takes the CPU's wide kernels once: as they are, or with their writes checked and in another order.
+    let participants = |but: &str| -> Vec<Participant<'_>> {
+        let taken = backends.iter().filter(|(name, _)| *name != but);
+        taken.map(|(name, backend)| Participant::named(name, backend.as_ref())).collect()
+    };
+    let ways = [participants("cpu"), participants("cpu-checked")];
     let compiler = Compiler::new();
     let elements = AtomicU64::new(0);
     let mut runner = TestRunner::new(cases(40));
     let ran = runner.run(&recipes(), |recipe| {
-        elements.fetch_add(lockstep(&recipe, &compiler, &participants), Relaxed);
+        elements.fetch_add(lockstep(&recipe, &compiler, &ways[recipe.seed as usize % 2]), Relaxed);
         on_their_own(&recipe, &compiler, &backends);
         Ok(())
     });
     if let Err(error) = ran {
         panic!("{error}");
     }
-    println!("{} participants, {} elements", participants.len(), elements.into_inner());
+    println!("{} participants, {} elements", backends.len(), elements.into_inner());
 }
 
 /// The graphs are not trivial: together they have every kind of step.

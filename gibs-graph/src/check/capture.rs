@@ -4,10 +4,11 @@ use super::error::CaptureError;
 use super::isolate::Isolated;
 use super::npz::{Reader, Writer};
 use crate::{
-    Access, Action, Binding, DispatchSize, DispatchStep, ImageShape, Initial, Kind, Layout, Output,
+    Access, Action, Binding, DispatchArgs, DispatchSize, DispatchStep, Element, ImageShape, Initial, Kind, Layout, Output,
     Resource, ResourceId, Schedule, StageInfo, Step, Usage,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
@@ -261,17 +262,51 @@ impl Capture {
         {
             return Err(format!("it names buffer {id} of {count}"));
         }
+        self.check_names()?;
+        if let Some(id) = sized
+            && self.buffers[id as usize].element != DispatchArgs::layout()
+        {
+            let key = &self.buffers[id as usize].key;
+            return Err(format!("`{key}` cannot say how many workgroups run"));
+        }
         for buffer in &self.buffers {
             let texels = buffer.image.map(|image| image.size.map(u64::from));
             if buffer.len == 0
                 || buffer.len > 1 << 32
-                || !is_plain(&buffer.element)
+                || plain_size(&buffer.element).is_none()
                 || texels.is_some_and(|[w, h]| w.checked_mul(h) != Some(buffer.len))
             {
                 return Err(format!("`{}` has an impossible type or length", buffer.key));
             }
         }
         Ok(())
+    }
+
+    /// Every buffer and every result is there once, so that the file's size bounds what is read of it; and a buffer that
+    /// is written is bound once, since kernels rely on that.
+    fn check_names(&self) -> Result<(), String> {
+        let ports = self.bindings.iter().map(|binding| binding.port.as_str());
+        let keys = self.buffers.iter().map(|buffer| buffer.key.as_str());
+        let lanes = self.results.iter().map(|origin| origin.lane.as_str());
+        let twice = twice(ports).or_else(|| twice(keys)).or_else(|| twice(lanes));
+        if let Some(name) = twice {
+            return Err(format!("it has `{name}` twice"));
+        }
+        let written = self.written();
+        for &id in &written {
+            let bound = self.bindings.iter().filter(|binding| binding.buffer == id);
+            if bound.count() > 1 {
+                let key = &self.buffers[id as usize].key;
+                return Err(format!("it binds `{key}` to two ports, and writes it"));
+            }
+        }
+        match self.results.iter().find(|origin| origin.buffers != written) {
+            None => Ok(()),
+            Some(origin) => Err(format!(
+                "`{}` has other results than the step writes",
+                origin.lane
+            )),
+        }
     }
 
     /// A schedule of this step alone. `stages` are those that it may be of.
@@ -404,22 +439,31 @@ impl Capture {
     }
 }
 
-/// A type whose numbers lie within it and do not overlap, and which has no bytes beside them.
-fn is_plain(element: &Layout) -> bool {
+/// A name that comes twice.
+fn twice<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut seen = HashSet::new();
+    names.find(|name| !seen.insert(*name))
+}
+
+/// Bytes of a type whose numbers lie within it and do not overlap, and which has no bytes beside them; `None` of any other.
+fn plain_size(element: &Layout) -> Option<u32> {
     match element {
-        Layout::Scalar(_) => true,
-        Layout::Vector(_, n) => (2..=4).contains(n),
+        Layout::Scalar(_) => Some(4),
+        Layout::Vector(_, n) => (2..=4).contains(n).then(|| 4 * n),
         Layout::Array {
             element,
             count,
             stride,
-        } => (1..=1 << 16).contains(count) && is_plain(element) && *stride == element.size(),
+        } => {
+            let size = plain_size(element).filter(|size| size == stride)?;
+            (1..=1 << 16).contains(count).then(|| count.checked_mul(size))?
+        }
         Layout::Struct { size, fields, .. } => {
             let end = fields.iter().try_fold(0_u32, |end, field| {
-                let sound = field.offset == end && is_plain(&field.layout);
-                sound.then(|| end.checked_add(field.layout.size()))?
+                let size = plain_size(&field.layout).filter(|_| field.offset == end)?;
+                end.checked_add(size)
             });
-            end == Some(*size) && *size > 0
+            end.filter(|end| end == size && *size > 0)
         }
     }
 }

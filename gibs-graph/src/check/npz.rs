@@ -69,6 +69,40 @@ fn header(element: &Layout, len: u64) -> Vec<u8> {
     bytes
 }
 
+/// How deep brackets of a header may nest: a struct takes two levels, its arrays one, the header itself one.
+const MOST_NESTING: usize = 16;
+
+/// Refuses a header that the parser of Python's literals is no match for: it allocates what a header says that it is long
+/// before it reads it, calls itself for every bracket, and tries the content of one several times, a dictionary's most
+/// often.
+fn check_header(file: &[u8]) -> Result<(), String> {
+    let word = |at: usize, n: usize| {
+        let bytes = file.get(at..at + n)?;
+        Some((bytes.iter().rev()).fold(0_usize, |word, &byte| word << 8 | usize::from(byte)))
+    };
+    let (start, length) = match file.get(6) {
+        Some(1) => (10, word(8, 2)),
+        _ => (12, word(8, 4)),
+    };
+    let end = length.and_then(|length| length.checked_add(start));
+    let Some(text) = end.and_then(|end| file.get(start..end)) else {
+        return Err("its header is cut off".into());
+    };
+    let (mut depth, mut dictionaries) = (0_usize, 0);
+    for byte in text {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        dictionaries += usize::from(*byte == b'{');
+        if depth > MOST_NESTING || dictionaries > 1 {
+            return Err("its header has brackets that no array needs".into());
+        }
+    }
+    Ok(())
+}
+
 /// An archive that is being written.
 pub(crate) struct Writer<W: Write + Seek>(ZipWriter<W>);
 
@@ -102,7 +136,13 @@ pub(crate) struct Reader<R: Read + Seek>(ZipArchive<R>);
 
 impl<R: Read + Seek> Reader<R> {
     pub fn new(from: R) -> Result<Self, String> {
-        ZipArchive::new(from).map(Self).map_err(|e| e.to_string())
+        let mut archive = ZipArchive::new(from).map_err(|e| e.to_string())?;
+        // Files that share bytes unpack to any multiple of the archive's size.
+        match archive.has_overlapping_files() {
+            Ok(false) => Ok(Self(archive)),
+            Ok(true) => Err("some of its files are stored in the same place".into()),
+            Err(e) => Err(e.to_string()),
+        }
     }
 
     /// A file of at most so many bytes.
@@ -125,6 +165,7 @@ impl<R: Read + Seek> Reader<R> {
         // A header is as long as the type is: some kilobytes.
         let whole = self.file(&format!("{name}.npy"), bytes.saturating_add(1 << 16))?;
         let mut rest = whole.as_slice();
+        check_header(rest).map_err(|problem| format!("`{name}`: {problem}"))?;
         let header = NpyHeader::from_reader(&mut rest).map_err(|e| format!("`{name}`: {e}"))?;
         let (dtype, axes) = dtype(element);
         let shape: Vec<u64> = std::iter::once(len).chain(axes).collect();

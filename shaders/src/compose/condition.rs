@@ -8,8 +8,9 @@ pub(super) enum Condition<'a> {
     Constant(bool),
     Feature(&'a str),
     Not(Box<Condition<'a>>),
-    And(Box<Condition<'a>>, Box<Condition<'a>>),
-    Or(Box<Condition<'a>>, Box<Condition<'a>>),
+    // Lists, so that a long chain is no deep tree: only parentheses and negations nest.
+    All(Vec<Condition<'a>>),
+    Any(Vec<Condition<'a>>),
 }
 
 /// How deep parentheses and negations may nest; bounds the recursion.
@@ -25,19 +26,19 @@ impl<'a> Condition<'a> {
     }
 
     fn or(cursor: &mut Cursor<'a, '_>, depth: usize) -> Result<Self, ComposeError> {
-        let mut left = Self::and(cursor, depth)?;
+        let mut operands = vec![Self::and(cursor, depth)?];
         while cursor.skip("||") {
-            left = Self::Or(left.into(), Self::and(cursor, depth)?.into());
+            operands.push(Self::and(cursor, depth)?);
         }
-        Ok(left)
+        Ok(Self::Any(operands))
     }
 
     fn and(cursor: &mut Cursor<'a, '_>, depth: usize) -> Result<Self, ComposeError> {
-        let mut left = Self::not(cursor, depth)?;
+        let mut operands = vec![Self::not(cursor, depth)?];
         while cursor.skip("&&") {
-            left = Self::And(left.into(), Self::not(cursor, depth)?.into());
+            operands.push(Self::not(cursor, depth)?);
         }
-        Ok(left)
+        Ok(Self::All(operands))
     }
 
     fn not(cursor: &mut Cursor<'a, '_>, depth: usize) -> Result<Self, ComposeError> {
@@ -65,8 +66,8 @@ impl<'a> Condition<'a> {
             Self::Constant(value) => *value,
             Self::Feature(name) => features.contains(name),
             Self::Not(inner) => !inner.holds(features),
-            Self::And(a, b) => a.holds(features) && b.holds(features),
-            Self::Or(a, b) => a.holds(features) || b.holds(features),
+            Self::All(operands) => operands.iter().all(|operand| operand.holds(features)),
+            Self::Any(operands) => operands.iter().any(|operand| operand.holds(features)),
         }
     }
 
@@ -76,9 +77,8 @@ impl<'a> Condition<'a> {
             Self::Constant(_) => {}
             Self::Feature(name) => visit(name),
             Self::Not(inner) => inner.features(visit),
-            Self::And(a, b) | Self::Or(a, b) => {
-                a.features(visit);
-                b.features(visit);
+            Self::All(operands) | Self::Any(operands) => {
+                operands.iter().for_each(|operand| operand.features(visit));
             }
         }
     }
