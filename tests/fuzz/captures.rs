@@ -15,7 +15,10 @@ use std::sync::OnceLock;
 
 /// The scalar kernels.
 pub fn scalar() -> CpuBackend {
-    let options = Options { scalar: true, ..Options::default() };
+    let options = Options {
+        scalar: true,
+        ..Options::default()
+    };
     CpuBackend::new(options).expect("threads start")
 }
 
@@ -24,14 +27,26 @@ pub fn captures() -> &'static [Capture] {
     static CAPTURES: OnceLock<Vec<Capture>> = OnceLock::new();
     CAPTURES.get_or_init(|| {
         let scene = builtin::by_name("cornell").expect("built in");
-        let plan = Plan { size: [12, 8], frames: vec![0, 1], surfels: 64, rays: 64, all: true };
+        let plan = Plan {
+            size: [12, 8],
+            frames: vec![0, 1],
+            surfels: 64,
+            rays: 64,
+            all: true,
+        };
         let oracle = scalar();
         let mut cases = gibs::check::cases(&[("cornell", &scene)], &plan, &oracle).expect("frames");
         let (mut seen, mut captures) = (BTreeSet::new(), Vec::new());
         for case in &mut cases {
             let frame = *case.frames.last().expect("it has frames");
-            let wanted = |_: &str, dispatch: &gibs::graph::DispatchStep| seen.insert(dispatch.stage);
-            let made = record(case, Participant::named("cpu-scalar", &oracle), frame, wanted);
+            let wanted =
+                |_: &str, dispatch: &gibs::graph::DispatchStep| seen.insert(dispatch.stage);
+            let made = record(
+                case,
+                Participant::named("cpu-scalar", &oracle),
+                frame,
+                wanted,
+            );
             captures.extend(made.expect("it runs"));
         }
         captures
@@ -147,8 +162,16 @@ proptest! {
 #[test]
 fn a_header_of_nested_brackets_is_refused() {
     let sound = members_of("Integrate");
-    let array = sound.iter().position(|(name, _)| name.starts_with("before/")).expect("an input");
-    for text in ["(".repeat(60_000), "[".repeat(60_000), "{".repeat(40), format!("{}{}", "[".repeat(40), "]".repeat(40))] {
+    let array = sound
+        .iter()
+        .position(|(name, _)| name.starts_with("before/"))
+        .expect("an input");
+    for text in [
+        "(".repeat(60_000),
+        "[".repeat(60_000),
+        "{".repeat(40),
+        format!("{}{}", "[".repeat(40), "]".repeat(40)),
+    ] {
         let mut members = sound.clone();
         members[array].1 = with_header(&text, data(&sound[array].1));
         let refused = watched(|| read(&pack(&members))).expect_err("no header");
@@ -160,7 +183,10 @@ fn a_header_of_nested_brackets_is_refused() {
 #[test]
 fn a_header_that_says_that_it_is_4_gib_long_is_refused() {
     let mut members = members_of("Integrate");
-    let (_, npy) = members.iter_mut().find(|(name, _)| name.starts_with("before/")).expect("an input");
+    let (_, npy) = members
+        .iter_mut()
+        .find(|(name, _)| name.starts_with("before/"))
+        .expect("an input");
     npy.splice(6..10, [2, 0, 0xff, 0xff, 0xff, 0xff]);
     let refused = watched(|| read(&pack(&members))).expect_err("no header");
     assert!(refused.contains("header"), "{refused}");
@@ -196,9 +222,13 @@ fn a_dispatch_that_takes_its_size_from_too_small_a_buffer_is_refused() {
         root["size"] = json!({"indirect": id});
     });
     let mut members = unpack(&bytes);
-    members.push(("before/tiny.npy".into(), with_header(
-        "{'descr': '<u4', 'fortran_order': False, 'shape': (1,), }\n", &[1, 0, 0, 0],
-    )));
+    members.push((
+        "before/tiny.npy".into(),
+        with_header(
+            "{'descr': '<u4', 'fortran_order': False, 'shape': (1,), }\n",
+            &[1, 0, 0, 0],
+        ),
+    ));
     read(&pack(&members)).expect_err("four bytes are no sizes");
 }
 
@@ -228,7 +258,9 @@ fn a_description_that_names_one_member_twice_is_refused() {
         assert!(refused.contains("twice"), "{refused}");
     }
     let bytes = described(members_of("Integrate"), |root| {
-        let buffers = root["results"][0]["buffers"].as_array_mut().expect("a list");
+        let buffers = root["results"][0]["buffers"]
+            .as_array_mut()
+            .expect("a list");
         buffers.push(buffers[0].clone());
     });
     read(&bytes).expect_err("a result has a buffer once");

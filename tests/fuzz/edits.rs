@@ -24,10 +24,33 @@ pub enum JsonEdit {
 /// Numbers at which sizes, offsets and conversions break, and small ones.
 fn number() -> impl Strategy<Value = Value> {
     let edges = vec![
-        json!(0), json!(-1), json!(255), json!(256), json!(65_535), json!(65_536), json!(i32::MAX), json!(i32::MIN),
-        json!(u32::MAX), json!(1_u64 << 32), json!(i64::MAX), json!(i64::MIN), json!(u64::MAX), json!(-0.0),
-        json!(0.5), json!(1e-45), json!(5e-324), json!(3.4e38), json!(3.5e38), json!(-1e39), json!(1e15), json!(1e308),
-        json!(5120), json!(5121), json!(5123), json!(5125), json!(5126),
+        json!(0),
+        json!(-1),
+        json!(255),
+        json!(256),
+        json!(65_535),
+        json!(65_536),
+        json!(i32::MAX),
+        json!(i32::MIN),
+        json!(u32::MAX),
+        json!(1_u64 << 32),
+        json!(i64::MAX),
+        json!(i64::MIN),
+        json!(u64::MAX),
+        json!(-0.0),
+        json!(0.5),
+        json!(1e-45),
+        json!(5e-324),
+        json!(3.4e38),
+        json!(3.5e38),
+        json!(-1e39),
+        json!(1e15),
+        json!(1e308),
+        json!(5120),
+        json!(5121),
+        json!(5123),
+        json!(5125),
+        json!(5126),
     ];
     prop_oneof![
         3 => select(edges),
@@ -39,11 +62,36 @@ fn number() -> impl Strategy<Value = Value> {
 
 fn value() -> impl Strategy<Value = Value> {
     let others = vec![
-        json!(null), json!(true), json!([]), json!({}), json!(""), json!("\u{0}"), json!("../.."), json!("/"),
-        json!("data:,"), json!("data:;base64,AAAA"), json!("SCALAR"), json!("VEC2"), json!("VEC3"), json!("VEC4"),
-        json!("MAT2"), json!("MAT4"), json!("LINEAR"), json!("STEP"), json!("CUBICSPLINE"), json!("scale"),
-        json!("weights"), json!("BLEND"), json!("MASK"), json!("spot"), json!("orthographic"), json!([[[[]]]]),
-        json!("x".repeat(5000)), json!([0, 0, 0]), json!([1e30, -1e30, 0]), json!([0, 0, 0, 0]),
+        json!(null),
+        json!(true),
+        json!([]),
+        json!({}),
+        json!(""),
+        json!("\u{0}"),
+        json!("../.."),
+        json!("/"),
+        json!("data:,"),
+        json!("data:;base64,AAAA"),
+        json!("SCALAR"),
+        json!("VEC2"),
+        json!("VEC3"),
+        json!("VEC4"),
+        json!("MAT2"),
+        json!("MAT4"),
+        json!("LINEAR"),
+        json!("STEP"),
+        json!("CUBICSPLINE"),
+        json!("scale"),
+        json!("weights"),
+        json!("BLEND"),
+        json!("MASK"),
+        json!("spot"),
+        json!("orthographic"),
+        json!([[[[]]]]),
+        json!("x".repeat(5000)),
+        json!([0, 0, 0]),
+        json!([1e30, -1e30, 0]),
+        json!([0, 0, 0, 0]),
     ];
     prop_oneof![4 => number(), 1 => select(others)]
 }
@@ -87,7 +135,9 @@ pub fn edit_json(document: &mut Value, edits: &[JsonEdit]) {
             }
             JsonEdit::Remove(at) => remove(document, &place(at)),
             JsonEdit::Repeat(at, n) => {
-                let Some(found) = document.pointer_mut(&place(at)) else { continue };
+                let Some(found) = document.pointer_mut(&place(at)) else {
+                    continue;
+                };
                 match found {
                     Value::Array(list) => {
                         let last = list.last().cloned().unwrap_or_default();
@@ -97,10 +147,14 @@ pub fn edit_json(document: &mut Value, edits: &[JsonEdit]) {
                 }
             }
             JsonEdit::Add(at, value) => {
-                let Some(found) = document.pointer_mut(&place(at)) else { continue };
+                let Some(found) = document.pointer_mut(&place(at)) else {
+                    continue;
+                };
                 match found {
                     Value::Object(map) => drop(map.insert("added".into(), value.clone())),
-                    other => *other = Value::Object(Map::from_iter([("added".into(), value.clone())])),
+                    other => {
+                        *other = Value::Object(Map::from_iter([("added".into(), value.clone())]))
+                    }
                 }
             }
         }
@@ -114,7 +168,9 @@ fn set(document: &mut Value, place: &str, value: Value) {
 }
 
 fn remove(document: &mut Value, place: &str) {
-    let Some((parent, key)) = place.rsplit_once('/') else { return };
+    let Some((parent, key)) = place.rsplit_once('/') else {
+        return;
+    };
     match document.pointer_mut(parent) {
         Some(Value::Object(map)) => drop(map.remove(&key.replace("~1", "/").replace("~0", "~"))),
         Some(Value::Array(list)) => {
@@ -146,7 +202,17 @@ pub enum ByteEdit {
 }
 
 pub fn byte_edits() -> impl Strategy<Value = Vec<ByteEdit>> {
-    let words = vec![0, 1, 0x7fff_ffff, 0x8000_0000, u32::MAX, 0x7f80_0000, 0x7fc0_0000, 0x0100_0000, 0xffff];
+    let words = vec![
+        0,
+        1,
+        0x7fff_ffff,
+        0x8000_0000,
+        u32::MAX,
+        0x7f80_0000,
+        0x7fc0_0000,
+        0x0100_0000,
+        0xffff,
+    ];
     let edit = prop_oneof![
         4 => (any::<Index>(), 0_u8..8).prop_map(|(at, bit)| ByteEdit::Flip(at, bit)),
         2 => (any::<Index>(), any::<u8>()).prop_map(|(at, byte)| ByteEdit::Set(at, byte)),
@@ -208,7 +274,13 @@ fn edits_change_documents_and_bytes() {
     let mut bytes = vec![0; 8];
     edit_bytes(&mut bytes, &[ByteEdit::Word(anywhere(), 0x0101_0101)]);
     assert!(bytes.contains(&1));
-    edit_bytes(&mut bytes, &[ByteEdit::Insert(anywhere(), vec![7; 3]), ByteEdit::Flip(anywhere(), 0)]);
+    edit_bytes(
+        &mut bytes,
+        &[
+            ByteEdit::Insert(anywhere(), vec![7; 3]),
+            ByteEdit::Flip(anywhere(), 0),
+        ],
+    );
     assert_eq!(bytes.len(), 11);
     edit_bytes(&mut bytes, &[ByteEdit::Cut(anywhere())]);
     assert!(bytes.len() < 11);

@@ -16,18 +16,31 @@ use std::path::Path;
 /// Reads a file; what is refused is refused with its name and a remedy, what is read is sound.
 fn read(path: &Path) -> Option<gibs::gltf_import::Imported> {
     // Of a file that the document refers to, the message names that.
-    let name = path.parent().expect("a folder").to_string_lossy().into_owned();
+    let name = path
+        .parent()
+        .expect("a folder")
+        .to_string_lossy()
+        .into_owned();
     match load(path) {
         Ok(mut imported) => {
             assert!(imported.warnings.iter().all(|warning| !warning.is_empty()));
             let again = imported.scene.validate();
-            assert!(again.is_ok(), "a scene that was read is not sound: {again:?}");
+            assert!(
+                again.is_ok(),
+                "a scene that was read is not sound: {again:?}"
+            );
             Some(imported)
         }
         Err(error) => {
             let text = error.to_string();
-            assert!(text.contains(&name), "the message does not name the file: {text}");
-            assert!(text.contains(';') || text.contains(','), "the message has no remedy: {text}");
+            assert!(
+                text.contains(&name),
+                "the message does not name the file: {text}"
+            );
+            assert!(
+                text.contains(';') || text.contains(','),
+                "the message has no remedy: {text}"
+            );
             None
         }
     }
@@ -38,7 +51,11 @@ fn draw(path: &Path) {
     let Some(imported) = read(path) else { return };
     let scene = imported.scene;
     let view = View::framing(&scene);
-    let settings = Settings { rays: 64, surfels: 256, ..Settings::default() };
+    let settings = Settings {
+        rays: 64,
+        surfels: 256,
+        ..Settings::default()
+    };
     let backend = crate::common::cpu();
     let made = Renderer::new(backend.as_ref(), &scene, &view, [6, 4], &settings, 0);
     let mut renderer = match made {
@@ -47,11 +64,16 @@ fn draw(path: &Path) {
         Err(_) => return,
     };
     for _ in 0..2 {
-        renderer.frame().expect("a scene that was read can be drawn");
+        renderer
+            .frame()
+            .expect("a scene that was read can be drawn");
     }
     let picture = renderer.picture().expect("a frame has a picture");
     for (name, values) in &picture.channels {
-        assert!(values.iter().all(|v| v.is_finite()), "{name} has {values:?}");
+        assert!(
+            values.iter().all(|v| v.is_finite()),
+            "{name} has {values:?}"
+        );
     }
 }
 
@@ -147,12 +169,22 @@ fn a_device_in_place_of_a_file_is_refused() {
     let folder = Folder::new();
     let mut doc = Doc::square();
     doc.root["buffers"] = json!([{"byteLength": doc.bin.len(), "uri": "/dev/zero"}]);
-    let error = load(&doc.write(&folder)).expect_err("it is no buffer").to_string();
-    assert!(error.contains("/dev/zero") && error.contains("device"), "{error}");
+    let error = load(&doc.write(&folder))
+        .expect_err("it is no buffer")
+        .to_string();
+    assert!(
+        error.contains("/dev/zero") && error.contains("device"),
+        "{error}"
+    );
     let mut doc = Doc::square();
     doc.root["images"] = json!([{"uri": "/dev/zero"}]);
     doc.root["textures"] = json!([{"source": 0}]);
     doc.at("/materials/0/pbrMetallicRoughness")["baseColorTexture"] = json!({"index": 0});
-    let warnings = load(&doc.write(&folder)).expect("the rest is sound").warnings;
-    assert!(warnings.len() == 1 && warnings[0].contains("/dev/zero"), "{warnings:?}");
+    let warnings = load(&doc.write(&folder))
+        .expect("the rest is sound")
+        .warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("/dev/zero"),
+        "{warnings:?}"
+    );
 }

@@ -30,7 +30,9 @@ fn floats(doc: &mut Doc, kind: &str, count: usize, values: &[f32]) -> usize {
 pub fn picture(format: ImageFormat) -> Vec<u8> {
     let image = RgbImage::from_fn(4, 3, |x, y| image::Rgb([x as u8 * 60, y as u8 * 90, 128]));
     let mut out = std::io::Cursor::new(Vec::new());
-    DynamicImage::from(image).write_to(&mut out, format).expect("memory takes it");
+    DynamicImage::from(image)
+        .write_to(&mut out, format)
+        .expect("memory takes it");
     out.into_inner()
 }
 
@@ -129,11 +131,16 @@ fn moving() -> Doc {
 /// Strips and fans, sparse and quantized accessors, strides, and a buffer within the document.
 fn stored() -> Doc {
     let mut doc = Doc::square();
-    let quantized: Vec<u8> = [[-100_i16, -100, 0, 0], [100, -100, 0, 0], [-100, 100, 0, 0], [100, 100, 0, 0]]
-        .iter()
-        .flatten()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let quantized: Vec<u8> = [
+        [-100_i16, -100, 0, 0],
+        [100, -100, 0, 0],
+        [-100, 100, 0, 0],
+        [100, 100, 0, 0],
+    ]
+    .iter()
+    .flatten()
+    .flat_map(|v| v.to_le_bytes())
+    .collect();
     let positions = accessor(&mut doc, SHORT, "VEC3", 4, &quantized);
     let view = doc.root["accessors"][positions]["bufferView"].clone();
     doc.root["accessors"][positions]["normalized"] = json!(true);
@@ -145,9 +152,18 @@ fn stored() -> Doc {
         "indices": {"bufferView": places, "componentType": UNSIGNED_BYTE, "byteOffset": 0},
         "values": {"bufferView": values, "byteOffset": 0},
     });
-    let zeros = doc.push("/accessors", json!({"componentType": FLOAT, "type": "VEC3", "count": 4}));
-    let primitive = |mode: u32, position: usize| json!({"attributes": {"POSITION": position}, "mode": mode});
-    let list: Vec<Value> = vec![primitive(5, positions), primitive(6, 0), primitive(4, zeros), primitive(1, 0)];
+    let zeros = doc.push(
+        "/accessors",
+        json!({"componentType": FLOAT, "type": "VEC3", "count": 4}),
+    );
+    let primitive =
+        |mode: u32, position: usize| json!({"attributes": {"POSITION": position}, "mode": mode});
+    let list: Vec<Value> = vec![
+        primitive(5, positions),
+        primitive(6, 0),
+        primitive(4, zeros),
+        primitive(1, 0),
+    ];
     for element in list {
         doc.push("/meshes/0/primitives", element);
     }
@@ -166,7 +182,9 @@ fn stored() -> Doc {
 fn the_seeds_are_accepted_whole() {
     for (i, doc) in seeds().iter().enumerate() {
         let folder = crate::file::Folder::new();
-        let scene = gibs::gltf_import::load(&doc.write(&folder)).unwrap_or_else(|e| panic!("{i}: {e}")).scene;
+        let scene = gibs::gltf_import::load(&doc.write(&folder))
+            .unwrap_or_else(|e| panic!("{i}: {e}"))
+            .scene;
         assert!(!scene.meshes.is_empty(), "{i}");
         let glb = folder.write("scene.glb", doc.glb());
         gibs::gltf_import::load(&glb).unwrap_or_else(|e| panic!("{i} as GLB: {e}"));

@@ -1,7 +1,9 @@
 //! Graphs from random bytes: buffers of every kind, and stages that connect whatever fits.
 use crate::graph_stages::*;
 use gibs_graph::glam::{UVec4, Vec4};
-use gibs_graph::{Buffer, Dispatch, DispatchArgs, Element, Graph, Initial, Previous, Rgba32Float, State, Uint};
+use gibs_graph::{
+    Buffer, Dispatch, DispatchArgs, Element, Graph, Initial, Previous, Rgba32Float, State, Uint,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -21,11 +23,13 @@ pub struct Recipe {
 pub fn recipes() -> impl Strategy<Value = Recipe> {
     let buffers = vec((any::<u8>(), any::<u8>()), 2..7);
     let stages = vec((any::<u8>(), any::<[u8; 4]>()), 1..14);
-    (buffers, stages, any::<u16>(), any::<u32>()).prop_map(|(buffers, stages, outputs, seed)| Recipe {
-        buffers,
-        stages,
-        outputs,
-        seed,
+    (buffers, stages, any::<u16>(), any::<u32>()).prop_map(|(buffers, stages, outputs, seed)| {
+        Recipe {
+            buffers,
+            stages,
+            outputs,
+            seed,
+        }
     })
 }
 
@@ -63,15 +67,23 @@ impl<T: Element> Pool<T> {
 
     /// One to change.
     fn changed(&self, pick: u8, but: &[usize]) -> Option<usize> {
-        self.find(pick, |i, entry| entry.writable && entry.ready && !but.contains(&i))
+        self.find(pick, |i, entry| {
+            entry.writable && entry.ready && !but.contains(&i)
+        })
     }
 
     fn read(&self, i: usize) -> &Buffer<T> {
-        self.0[i].last.as_ref().expect("it is only away while its stage is recorded")
+        self.0[i]
+            .last
+            .as_ref()
+            .expect("it is only away while its stage is recorded")
     }
 
     fn take(&mut self, i: usize) -> Buffer<T> {
-        self.0[i].last.take().expect("it is only away while its stage is recorded")
+        self.0[i]
+            .last
+            .take()
+            .expect("it is only away while its stage is recorded")
     }
 
     fn put(&mut self, i: usize, next: Buffer<T>) {
@@ -80,7 +92,14 @@ impl<T: Element> Pool<T> {
     }
 
     fn add(&mut self, g: &mut Graph, name: String, kind: u8, len: u64) {
-        let mut entry = Entry { name, last: None, state: None, previous: None, ready: true, writable: true };
+        let mut entry = Entry {
+            name,
+            last: None,
+            state: None,
+            previous: None,
+            ready: true,
+            writable: true,
+        };
         let name = entry.name.as_str();
         match kind % 7 {
             0 => {
@@ -93,13 +112,18 @@ impl<T: Element> Pool<T> {
             }
             3 => entry.last = Some(g.zeroed(name, len)),
             4 | 5 => {
-                let initial = if kind % 2 == 0 { Initial::Sequence } else { Initial::Zero };
+                let initial = if kind % 2 == 0 {
+                    Initial::Sequence
+                } else {
+                    Initial::Zero
+                };
                 let (state, last) = g.state(name, len, initial);
                 (entry.state, entry.last) = (Some(state), Some(last));
             }
             _ => {
                 let (state, previous, last) = g.history(name, len, Initial::Zero);
-                (entry.state, entry.previous, entry.last) = (Some(state), Some(previous), Some(last));
+                (entry.state, entry.previous, entry.last) =
+                    (Some(state), Some(previous), Some(last));
                 entry.ready = false;
             }
         }
@@ -128,10 +152,18 @@ pub fn record(recipe: &Recipe) -> Graph {
     let mut shown = Some(g.export_image::<Rgba32Float>("shown", [9, 5]));
     let mut words = Pool::<u32>(Vec::new());
     // Something can always be read, something always be written, and something outlives the frame.
-    for (i, &(kind, len)) in [(0, 70), (1, 33), (6, 100)].iter().chain(&recipe.buffers).enumerate() {
+    for (i, &(kind, len)) in [(0, 70), (1, 33), (6, 100)]
+        .iter()
+        .chain(&recipe.buffers)
+        .enumerate()
+    {
         words.add(&mut g, format!("words{i}"), kind, 1 + u64::from(len) % 200);
     }
-    let (mut waves, mut rows, mut args) = (Pool::<Vec4>(Vec::new()), Pool::<Row>(Vec::new()), Pool::<DispatchArgs>(Vec::new()));
+    let (mut waves, mut rows, mut args) = (
+        Pool::<Vec4>(Vec::new()),
+        Pool::<Row>(Vec::new()),
+        Pool::<DispatchArgs>(Vec::new()),
+    );
     waves.add(&mut g, "waves0".into(), 1, 65);
     waves.add(&mut g, "waves1".into(), 5, 20);
     rows.add(&mut g, "rows".into(), 2, 40);
@@ -148,7 +180,11 @@ pub fn record(recipe: &Recipe) -> Graph {
             6 => mark(&mut g, &label, picks, &mut words, &args),
             10 => {
                 if let (Some(source), Some(target)) = (words.source(picks[0], &[]), shown.take()) {
-                    let inputs = show::Inputs { source: words.read(source), ids: &ids, shown: target };
+                    let inputs = show::Inputs {
+                        source: words.read(source),
+                        ids: &ids,
+                        shown: target,
+                    };
                     let made = g.add::<show::Show>(&label, inputs, Dispatch::Elements(45));
                     shown = Some(made.shown);
                 }
@@ -156,43 +192,95 @@ pub fn record(recipe: &Recipe) -> Graph {
             op => numbers(&mut g, &label, op, picks, &mut words, &amount),
         }
     }
-    finish(g, recipe, words, waves, rows, args, shown.filter(|_| recipe.stages.iter().any(|stage| stage.0 % 14 == 10)))
+    finish(
+        g,
+        recipe,
+        words,
+        waves,
+        rows,
+        args,
+        shown.filter(|_| recipe.stages.iter().any(|stage| stage.0 % 14 == 10)),
+    )
 }
 
 /// Stages of nothing but numbers.
-fn numbers(g: &mut Graph, label: &str, op: u8, [a, b, c, d]: [u8; 4], words: &mut Pool<u32>, amount: &Buffer<UVec4>) {
+fn numbers(
+    g: &mut Graph,
+    label: &str,
+    op: u8,
+    [a, b, c, d]: [u8; 4],
+    words: &mut Pool<u32>,
+    amount: &Buffer<UVec4>,
+) {
     let writer = match op {
         1 | 3 => words.changed(a, &[]),
         _ => words.target(a, &[]),
     };
     let Some(to) = writer else { return };
-    let (Some(from), Some(other)) = (words.source(b, &[to]), words.source(c, &[to])) else { return };
+    let (Some(from), Some(other)) = (words.source(b, &[to]), words.source(c, &[to])) else {
+        return;
+    };
     let target = words.take(to);
     let len = Dispatch::Elements(target.len());
     match op {
         1 => {
-            let made = g.add::<shift::Shift>(label, shift::Inputs { amount, total: target }, len);
+            let made = g.add::<shift::Shift>(
+                label,
+                shift::Inputs {
+                    amount,
+                    total: target,
+                },
+                len,
+            );
             words.put(to, made.total);
         }
         2 => {
-            let history = words.find(b, |_, entry| entry.previous.is_some()).expect("one is always there");
-            let before = words.0[history].previous.as_ref().expect("it was just found");
-            let made = g.add::<age::Age>(label, age::Inputs { before, now: target }, len);
+            let history = words
+                .find(b, |_, entry| entry.previous.is_some())
+                .expect("one is always there");
+            let before = words.0[history]
+                .previous
+                .as_ref()
+                .expect("it was just found");
+            let made = g.add::<age::Age>(
+                label,
+                age::Inputs {
+                    before,
+                    now: target,
+                },
+                len,
+            );
             words.put(to, made.now);
         }
         3 => {
             let source = words.read(from);
             let count = Dispatch::Elements(source.len());
-            let made = g.add::<count::Count>(label, count::Inputs { source, counts: target }, count);
+            let made = g.add::<count::Count>(
+                label,
+                count::Inputs {
+                    source,
+                    counts: target,
+                },
+                count,
+            );
             words.put(to, made.counts);
         }
         4 => {
             let groups = Dispatch::Groups([target.len() as u32, 1, 1]);
-            let made = g.add::<sums::Sums>(label, sums::Inputs { source: words.read(from), target_: target }, groups);
+            let made = g.add::<sums::Sums>(
+                label,
+                sums::Inputs {
+                    source: words.read(from),
+                    target_: target,
+                },
+                groups,
+            );
             words.put(to, made.target_);
         }
         7 => {
-            let notes = (d & 1 == 1).then(|| words.target(d, &[to, from, other])).flatten();
+            let notes = (d & 1 == 1)
+                .then(|| words.target(d, &[to, from, other]))
+                .flatten();
             let taken = notes.map(|i| words.take(i));
             let most = target.len().max(taken.as_ref().map_or(0, Buffer::len));
             let made = g.add::<choose::Choose>(
@@ -211,66 +299,161 @@ fn numbers(g: &mut Graph, label: &str, op: u8, [a, b, c, d]: [u8; 4], words: &mu
             }
         }
         _ => {
-            let inputs = mix::Inputs { a: words.read(from), b: words.read(other), target_: target };
+            let inputs = mix::Inputs {
+                a: words.read(from),
+                b: words.read(other),
+                target_: target,
+            };
             let made = g.add::<mix::Mix>(label, inputs, len);
             words.put(to, made.target_);
         }
     }
 }
 
-fn raise(g: &mut Graph, label: &str, [a, b, ..]: [u8; 4], words: &Pool<u32>, waves: &mut Pool<Vec4>) {
-    let (Some(from), Some(to)) = (words.source(a, &[]), waves.target(b, &[])) else { return };
+fn raise(
+    g: &mut Graph,
+    label: &str,
+    [a, b, ..]: [u8; 4],
+    words: &Pool<u32>,
+    waves: &mut Pool<Vec4>,
+) {
+    let (Some(from), Some(to)) = (words.source(a, &[]), waves.target(b, &[])) else {
+        return;
+    };
     let target = waves.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<raise::Raise>(label, raise::Inputs { source: words.read(from), waves: target }, len);
+    let made = g.add::<raise::Raise>(
+        label,
+        raise::Inputs {
+            source: words.read(from),
+            waves: target,
+        },
+        len,
+    );
     waves.put(to, made.waves);
 }
 
 fn turn(g: &mut Graph, label: &str, [a, b, ..]: [u8; 4], waves: &mut Pool<Vec4>) {
-    let Some(to) = waves.target(b, &[]) else { return };
-    let Some(from) = waves.source(a, &[to]) else { return };
+    let Some(to) = waves.target(b, &[]) else {
+        return;
+    };
+    let Some(from) = waves.source(a, &[to]) else {
+        return;
+    };
     let target = waves.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<turn::Turn>(label, turn::Inputs { waves: waves.read(from), turned: target }, len);
+    let made = g.add::<turn::Turn>(
+        label,
+        turn::Inputs {
+            waves: waves.read(from),
+            turned: target,
+        },
+        len,
+    );
     waves.put(to, made.turned);
 }
 
-fn lower(g: &mut Graph, label: &str, [a, b, ..]: [u8; 4], words: &mut Pool<u32>, waves: &Pool<Vec4>) {
-    let (Some(from), Some(to)) = (waves.source(a, &[]), words.changed(b, &[])) else { return };
+fn lower(
+    g: &mut Graph,
+    label: &str,
+    [a, b, ..]: [u8; 4],
+    words: &mut Pool<u32>,
+    waves: &Pool<Vec4>,
+) {
+    let (Some(from), Some(to)) = (waves.source(a, &[]), words.changed(b, &[])) else {
+        return;
+    };
     let target = words.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<lower::Lower>(label, lower::Inputs { waves: waves.read(from), target_: target }, len);
+    let made = g.add::<lower::Lower>(
+        label,
+        lower::Inputs {
+            waves: waves.read(from),
+            target_: target,
+        },
+        len,
+    );
     words.put(to, made.target_);
 }
 
 fn pack(g: &mut Graph, label: &str, [a, b, ..]: [u8; 4], words: &Pool<u32>, rows: &mut Pool<Row>) {
-    let (Some(from), Some(to)) = (words.source(a, &[]), rows.target(b, &[])) else { return };
+    let (Some(from), Some(to)) = (words.source(a, &[]), rows.target(b, &[])) else {
+        return;
+    };
     let target = rows.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<pack::Pack>(label, pack::Inputs { source: words.read(from), rows: target }, len);
+    let made = g.add::<pack::Pack>(
+        label,
+        pack::Inputs {
+            source: words.read(from),
+            rows: target,
+        },
+        len,
+    );
     rows.put(to, made.rows);
 }
 
-fn unpack(g: &mut Graph, label: &str, [a, b, ..]: [u8; 4], words: &mut Pool<u32>, rows: &Pool<Row>) {
-    let (Some(from), Some(to)) = (rows.source(a, &[]), words.target(b, &[])) else { return };
+fn unpack(
+    g: &mut Graph,
+    label: &str,
+    [a, b, ..]: [u8; 4],
+    words: &mut Pool<u32>,
+    rows: &Pool<Row>,
+) {
+    let (Some(from), Some(to)) = (rows.source(a, &[]), words.target(b, &[])) else {
+        return;
+    };
     let target = words.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<unpack::Unpack>(label, unpack::Inputs { rows: rows.read(from), target_: target }, len);
+    let made = g.add::<unpack::Unpack>(
+        label,
+        unpack::Inputs {
+            rows: rows.read(from),
+            target_: target,
+        },
+        len,
+    );
     words.put(to, made.target_);
 }
 
-fn plan(g: &mut Graph, label: &str, [a, ..]: [u8; 4], words: &Pool<u32>, args: &mut Pool<DispatchArgs>) {
-    let (Some(from), Some(to)) = (words.source(a, &[]), args.target(0, &[])) else { return };
+fn plan(
+    g: &mut Graph,
+    label: &str,
+    [a, ..]: [u8; 4],
+    words: &Pool<u32>,
+    args: &mut Pool<DispatchArgs>,
+) {
+    let (Some(from), Some(to)) = (words.source(a, &[]), args.target(0, &[])) else {
+        return;
+    };
     let target = args.take(to);
     let len = Dispatch::Elements(target.len());
-    let made = g.add::<plan::Plan>(label, plan::Inputs { source: words.read(from), args: target }, len);
+    let made = g.add::<plan::Plan>(
+        label,
+        plan::Inputs {
+            source: words.read(from),
+            args: target,
+        },
+        len,
+    );
     args.put(to, made.args);
 }
 
-fn mark(g: &mut Graph, label: &str, [a, ..]: [u8; 4], words: &mut Pool<u32>, args: &Pool<DispatchArgs>) {
-    let (Some(sizes), Some(to)) = (args.source(0, &[]), words.changed(a, &[])) else { return };
+fn mark(
+    g: &mut Graph,
+    label: &str,
+    [a, ..]: [u8; 4],
+    words: &mut Pool<u32>,
+    args: &Pool<DispatchArgs>,
+) {
+    let (Some(sizes), Some(to)) = (args.source(0, &[]), words.changed(a, &[])) else {
+        return;
+    };
     let marks = words.take(to);
-    let inputs = mark::Inputs { args: args.read(sizes), marks };
+    let inputs = mark::Inputs {
+        args: args.read(sizes),
+        marks,
+    };
     let made = g.add::<mark::Mark>(label, inputs, Dispatch::Indirect(args.read(sizes)));
     words.put(to, made.marks);
 }
@@ -301,7 +484,11 @@ fn finish(
         bits >>= 1;
         bit
     };
-    let always = words.0.iter().position(|entry| entry.previous.is_some()).expect("one is always there");
+    let always = words
+        .0
+        .iter()
+        .position(|entry| entry.previous.is_some())
+        .expect("one is always there");
     g.output("always", words.read(always));
     words.finish(&mut g, &mut outputs);
     waves.finish(&mut g, &mut outputs);

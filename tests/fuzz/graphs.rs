@@ -17,9 +17,20 @@ const FRAMES: u32 = 3;
 /// The CPU's kernels in their three ways, and all other backends that the machine has.
 fn backends() -> Vec<(&'static str, Box<dyn Backend>)> {
     let cpu = |scalar, checked| -> Box<dyn Backend> {
-        Box::new(CpuBackend::new(Options { scalar, checked, ..Options::default() }).expect("threads start"))
+        Box::new(
+            CpuBackend::new(Options {
+                scalar,
+                checked,
+                ..Options::default()
+            })
+            .expect("threads start"),
+        )
     };
-    let mut found = vec![("cpu-scalar", cpu(true, false)), ("cpu", cpu(false, false)), ("cpu-checked", cpu(false, true))];
+    let mut found = vec![
+        ("cpu-scalar", cpu(true, false)),
+        ("cpu", cpu(false, false)),
+        ("cpu-checked", cpu(false, true)),
+    ];
     for backend in crate::common::all_backends() {
         match backend.name() {
             "vulkan" => found.push(("vulkan", backend)),
@@ -35,21 +46,34 @@ fn compiled(recipe: &Recipe, compiler: &Compiler, apart: bool) -> Arc<Schedule> 
     if apart {
         graph.keep_transients();
     }
-    Arc::new(graph.compile(Some(compiler)).unwrap_or_else(|e| panic!("{e}")))
+    Arc::new(
+        graph
+            .compile(Some(compiler))
+            .unwrap_or_else(|e| panic!("{e}")),
+    )
 }
 
 /// What the host writes before a frame: numbers of any size, of which some are small.
 fn uploads(schedule: &Schedule, seed: u32, frame: u32) -> Vec<Upload> {
-    let inputs = (0..).zip(&schedule.resources).filter(|(_, resource)| resource.kind == Kind::Input);
+    let inputs = (0..)
+        .zip(&schedule.resources)
+        .filter(|(_, resource)| resource.kind == Kind::Input);
     inputs
         .map(|(resource, found)| {
             let word = |i: u64| {
-                let mut x = seed ^ frame.wrapping_mul(0x9e37_79b9) ^ (i as u32).wrapping_mul(0x85eb_ca6b);
+                let mut x =
+                    seed ^ frame.wrapping_mul(0x9e37_79b9) ^ (i as u32).wrapping_mul(0x85eb_ca6b);
                 x = (x ^ x >> 15).wrapping_mul(0x2c1b_3c6d);
                 if i.is_multiple_of(3) { x % 300 } else { x }
             };
-            let bytes = (0..found.bytes / 4).flat_map(|i| word(i).to_ne_bytes()).collect();
-            Upload { resource, offset: 0, bytes }
+            let bytes = (0..found.bytes / 4)
+                .flat_map(|i| word(i).to_ne_bytes())
+                .collect();
+            Upload {
+                resource,
+                offset: 0,
+                bytes,
+            }
         })
         .collect()
 }
@@ -60,40 +84,69 @@ fn lockstep(recipe: &Recipe, compiler: &Compiler, participants: &[Participant<'_
     let fed = schedule.clone();
     let feed = |frame| Ok(uploads(&fed, recipe.seed, frame));
     let mut cases = [Case::new("fuzz", schedule.clone(), 0..FRAMES, feed)];
-    let checked = check(&mut cases, participants, &CheckOptions::default(), |_, _, _| {});
+    let checked = check(
+        &mut cases,
+        participants,
+        &CheckOptions::default(),
+        |_, _, _| {},
+    );
     let report = checked.unwrap_or_else(|e| panic!("{e}")).report;
     for (_, step, port, pair) in report.pairs() {
-        assert_eq!(pair.verdict, Verdict::Equal, "{} {}: {pair:?}", step.label, port.port);
+        assert_eq!(
+            pair.verdict,
+            Verdict::Equal,
+            "{} {}: {pair:?}",
+            step.label,
+            port.port
+        );
     }
     assert!(report.gaps(&cases).is_empty(), "{:?}", report.gaps(&cases));
     report.elements()
 }
 
 /// What a backend has after each frame that it ran on its own.
-fn frames(recipe: &Recipe, schedule: &Arc<Schedule>, name: &str, backend: &dyn Backend) -> Vec<BTreeMap<String, Vec<u8>>> {
+fn frames(
+    recipe: &Recipe,
+    schedule: &Arc<Schedule>,
+    name: &str,
+    backend: &dyn Backend,
+) -> Vec<BTreeMap<String, Vec<u8>>> {
     let fail = |e: gibs_graph::BackendError| -> ! { panic!("{name}: {e}") };
-    let mut exec = backend.prepare(schedule.clone()).unwrap_or_else(|e| fail(e));
+    let mut exec = backend
+        .prepare(schedule.clone())
+        .unwrap_or_else(|e| fail(e));
     let frame = |frame: u32, exec: &mut dyn Executable| -> Result<_, gibs_graph::BackendError> {
         for upload in uploads(schedule, recipe.seed, frame) {
             exec.upload(upload.resource, upload.offset, &upload.bytes)?;
         }
         exec.run()?;
         exec.wait()?;
-        let read = schedule.outputs.iter().map(|output| Ok((output.name.clone(), exec.read(output.resource)?)));
+        let read = schedule
+            .outputs
+            .iter()
+            .map(|output| Ok((output.name.clone(), exec.read(output.resource)?)));
         read.collect()
     };
-    (0..FRAMES).map(|n| frame(n, exec.as_mut()).unwrap_or_else(|e| fail(e))).collect()
+    (0..FRAMES)
+        .map(|n| frame(n, exec.as_mut()).unwrap_or_else(|e| fail(e)))
+        .collect()
 }
 
 /// Whole frames, in which transients share memory and only barriers keep steps apart, end alike everywhere.
 fn on_their_own(recipe: &Recipe, compiler: &Compiler, backends: &[(&str, Box<dyn Backend>)]) {
     let schedule = compiled(recipe, compiler, false);
-    let of = |(name, backend): &(&str, Box<dyn Backend>)| frames(recipe, &schedule, name, backend.as_ref());
+    let of = |(name, backend): &(&str, Box<dyn Backend>)| {
+        frames(recipe, &schedule, name, backend.as_ref())
+    };
     let expected = of(&backends[0]);
     for backend in &backends[1..] {
         for (frame, (expected, found)) in expected.iter().zip(of(backend)).enumerate() {
             for (name, bytes) in expected {
-                assert_eq!(bytes, &found[name], "`{name}` after frame {frame} on {}", backend.0);
+                assert_eq!(
+                    bytes, &found[name],
+                    "`{name}` after frame {frame} on {}",
+                    backend.0
+                );
             }
         }
     }
@@ -105,21 +158,30 @@ fn random_graphs_agree_on_every_backend() {
     // The kit takes the CPU's wide kernels once: as they are, or with their writes checked and in another order.
     let participants = |but: &str| -> Vec<Participant<'_>> {
         let taken = backends.iter().filter(|(name, _)| *name != but);
-        taken.map(|(name, backend)| Participant::named(name, backend.as_ref())).collect()
+        taken
+            .map(|(name, backend)| Participant::named(name, backend.as_ref()))
+            .collect()
     };
     let ways = [participants("cpu"), participants("cpu-checked")];
     let compiler = Compiler::new();
     let elements = AtomicU64::new(0);
-    let mut runner = TestRunner::new(cases(40));
+    let mut runner = TestRunner::new(cases(100));
     let ran = runner.run(&recipes(), |recipe| {
-        elements.fetch_add(lockstep(&recipe, &compiler, &ways[recipe.seed as usize % 2]), Relaxed);
+        elements.fetch_add(
+            lockstep(&recipe, &compiler, &ways[recipe.seed as usize % 2]),
+            Relaxed,
+        );
         on_their_own(&recipe, &compiler, &backends);
         Ok(())
     });
     if let Err(error) = ran {
         panic!("{error}");
     }
-    println!("{} participants, {} elements", backends.len(), elements.into_inner());
+    println!(
+        "{} participants, {} elements",
+        backends.len(),
+        elements.into_inner()
+    );
 }
 
 /// The graphs are not trivial: together they have every kind of step.
@@ -133,11 +195,20 @@ fn random_graphs_use_every_stage_and_kind() {
         let recipe = recipes().new_tree(&mut runner).expect("a recipe").current();
         let schedule = compiled(&recipe, &compiler, false);
         stages.extend(schedule.dispatches().map(|(.., dispatch)| dispatch.stage));
-        kinds.extend(schedule.resources.iter().map(|resource| format!("{:?}", resource.kind)));
+        kinds.extend(
+            schedule
+                .resources
+                .iter()
+                .map(|resource| format!("{:?}", resource.kind)),
+        );
         if schedule.shared_bytes() > 0 {
             kinds.insert("shared".into());
         }
-        if schedule.steps.iter().any(|step| matches!(step.action, gibs_graph::Action::Clear(_))) {
+        if schedule
+            .steps
+            .iter()
+            .any(|step| matches!(step.action, gibs_graph::Action::Clear(_)))
+        {
             kinds.insert("clear".into());
         }
     }

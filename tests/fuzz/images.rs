@@ -13,7 +13,9 @@ use std::path::Path;
 fn radiance() -> Vec<u8> {
     let image = Rgb32FImage::from_fn(16, 4, |x, y| image::Rgb([x as f32, 0.25 * y as f32, 1.0]));
     let mut out = std::io::Cursor::new(Vec::new());
-    DynamicImage::from(image).write_to(&mut out, ImageFormat::Hdr).expect("memory takes it");
+    DynamicImage::from(image)
+        .write_to(&mut out, ImageFormat::Hdr)
+        .expect("memory takes it");
     out.into_inner()
 }
 
@@ -21,7 +23,9 @@ fn radiance() -> Vec<u8> {
 fn openexr() -> Vec<u8> {
     let mut picture = Picture::new(6, 4);
     let plane = |scale: f32| (0..24).map(|i| scale * i as f32).collect();
-    picture.set_rgb("", [plane(1.0), plane(0.5), plane(0.1)]).expect("it fits");
+    picture
+        .set_rgb("", [plane(1.0), plane(0.5), plane(0.1)])
+        .expect("it fits");
     let folder = Folder::new();
     let file = folder.0.join("sound.exr");
     picture.write_exr(&file).expect("written");
@@ -38,9 +42,15 @@ fn read_map(bytes: &[u8], name: &str) {
     );
     match View::from_json(&text, &folder.0.join("view.json")) {
         Ok(view) => {
-            let Environment::Map(map) = view.environment else { panic!("it names a map") };
+            let Environment::Map(map) = view.environment else {
+                panic!("it names a map")
+            };
             assert_eq!(map.texels.len(), map.width as usize * map.height as usize);
-            assert!(map.texels.iter().all(|t| t.is_finite() && t.min_element() >= 0.0));
+            assert!(
+                map.texels
+                    .iter()
+                    .all(|t| t.is_finite() && t.min_element() >= 0.0)
+            );
         }
         Err(error) => assert!(error.to_string().contains(name), "{error}"),
     }
@@ -49,7 +59,12 @@ fn read_map(bytes: &[u8], name: &str) {
 fn read_picture(path: &Path) {
     match Picture::read_exr(path) {
         Ok(picture) => {
-            assert!(picture.channels.values().all(|plane| plane.len() == picture.pixels()));
+            assert!(
+                picture
+                    .channels
+                    .values()
+                    .all(|plane| plane.len() == picture.pixels())
+            );
         }
         Err(error) => assert!(error.to_string().contains("picture.exr"), "{error}"),
     }

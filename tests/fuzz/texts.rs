@@ -51,9 +51,18 @@ fn damaged(text: &str, edits: &[ByteEdit]) -> String {
 fn assert_sees(camera: &Camera) {
     let axes = camera.axes();
     let finite = |v: &DVec3| v.is_finite();
-    assert!(finite(&camera.position) && finite(&camera.target), "{camera:?}");
-    assert!(axes.iter().all(|axis| (axis.length() - 1.0).abs() < 1e-6), "{camera:?} has the axes {axes:?}");
-    assert!(camera.vfov > 0.0 && camera.vfov < std::f64::consts::PI, "{camera:?}");
+    assert!(
+        finite(&camera.position) && finite(&camera.target),
+        "{camera:?}"
+    );
+    assert!(
+        axes.iter().all(|axis| (axis.length() - 1.0).abs() < 1e-6),
+        "{camera:?} has the axes {axes:?}"
+    );
+    assert!(
+        camera.vfov > 0.0 && camera.vfov < std::f64::consts::PI,
+        "{camera:?}"
+    );
 }
 
 /// What is read is sound, and is read again as it was from what is written of it.
@@ -63,16 +72,22 @@ fn read_view(text: &str) {
             assert_sees(&view.camera);
             assert!(view.resolution.iter().all(|side| (1..=8192).contains(side)));
             let written = view.to_json().expect("its numbers are finite");
-            let again = View::from_json(&written, Path::new(FILE)).expect("what is written can be read");
+            let again =
+                View::from_json(&written, Path::new(FILE)).expect("what is written can be read");
             assert_eq!(again.camera.position, view.camera.position);
             assert_eq!(again.environment, view.environment);
             // Directions are made unit again, which may round.
             match (again.sun, view.sun) {
                 (None, None) => {}
-                (Some(a), Some(b)) => assert!(a.irradiance == b.irradiance && a.direction.distance(b.direction) < 1e-12),
+                (Some(a), Some(b)) => assert!(
+                    a.irradiance == b.irradiance && a.direction.distance(b.direction) < 1e-12
+                ),
                 different => panic!("{different:?}"),
             }
-            assert_eq!((again.animation, again.exposure), (view.animation, view.exposure));
+            assert_eq!(
+                (again.animation, again.exposure),
+                (view.animation, view.exposure)
+            );
         }
         Err(error) => assert!(error.to_string().contains(FILE), "{error}"),
     }
@@ -84,7 +99,10 @@ fn read_path(text: &str) {
     match CameraPath::from_json(text, Path::new(FILE), &view.camera) {
         Ok(path) => {
             let last = path.last_frame();
-            for frame in (0..40).map(|i| (last / 40.0 * f64::from(i)).floor()).chain([last, last + 1.0]) {
+            for frame in (0..40)
+                .map(|i| (last / 40.0 * f64::from(i)).floor())
+                .chain([last, last + 1.0])
+            {
                 assert_sees(&path.camera(frame));
             }
         }
@@ -140,17 +158,52 @@ proptest! {
 /// Values that a settings file may give.
 fn setting() -> impl Strategy<Value = (usize, String)> {
     let values = vec![
-        "0", "1", "-1", "true", "false", "nan", "inf", "-inf", "1e30", "1e-30", "-0.0", "0.5", "4294967295",
-        "4294967296", "9223372036854775807", "-9223372036854775808", "\"on\"", "\"\"", "[]", "{}", "1e400",
-        "99999999999999999999999", "0x7fffffff", "1979-05-27",
+        "0",
+        "1",
+        "-1",
+        "true",
+        "false",
+        "nan",
+        "inf",
+        "-inf",
+        "1e30",
+        "1e-30",
+        "-0.0",
+        "0.5",
+        "4294967295",
+        "4294967296",
+        "9223372036854775807",
+        "-9223372036854775808",
+        "\"on\"",
+        "\"\"",
+        "[]",
+        "{}",
+        "1e400",
+        "99999999999999999999999",
+        "0x7fffffff",
+        "1979-05-27",
     ];
     let edge = (any::<usize>(), select(values)).prop_map(|(i, value)| (i, value.to_owned()));
     // Around what the setting itself allows.
     let bound = (any::<usize>(), 0_usize..6).prop_map(|(i, which)| {
         let all = Settings::all();
         let info = &all[i % all.len()];
-        let number = [info.least, info.most, info.default, info.least - 1.0, info.most + 1.0, info.most / 2.0][which];
-        (i, if number.fract() == 0.0 && which < 5 { format!("{number:.0}") } else { format!("{number:?}") })
+        let number = [
+            info.least,
+            info.most,
+            info.default,
+            info.least - 1.0,
+            info.most + 1.0,
+            info.most / 2.0,
+        ][which];
+        (
+            i,
+            if number.fract() == 0.0 && which < 5 {
+                format!("{number:.0}")
+            } else {
+                format!("{number:?}")
+            },
+        )
     });
     prop_oneof![edge, bound]
 }

@@ -8,20 +8,89 @@ use proptest::sample::select;
 
 /// Pieces that files are made of; some open what nothing closes.
 const PIECES: &[&str] = &[
-    "import", "package", "::", "a", "b", "c::d", "{", "}", "(", ")", "[", "]", ",", ";", "*", "as", "@", "@if", "@elif",
-    "@else", "@if(A)", "@elif(!B)", "@if(A && B || !(C))", "@if(true)", "@if((((", "!!!!", "&&", "||", "A", "B", "fn",
-    "fn f() {}", "fn g(x: u32) -> u32 { return x; }", "struct S { x: u32 }", "const c = 1u;", "override o: u32;",
-    "alias T = u32;", "var<private> v: u32;", "var<", ">", "=", "enable f16;", "enable subgroups, f16;",
-    "requires x;", "diagnostic(off, derivative_uniformity);", "const_assert true;", "/*", "*/", "/**/", "/* /* */", "//",
-    "\n", "\r", "\u{2028}", "\u{85}", "\t", "import package::a::f;", "import package::b::{S, g};",
-    "import package::c::d::{c, v,};", "import package::{a::f, b::{g}};", "import other::x;", "@must_use", "@group(0)",
-    "\"", "'", "0x1fu", "1e5", "\u{0}", "é", "𝕏", "\u{feff}", "_", "main", "@compute @workgroup_size(1) fn main() {}",
+    "import",
+    "package",
+    "::",
+    "a",
+    "b",
+    "c::d",
+    "{",
+    "}",
+    "(",
+    ")",
+    "[",
+    "]",
+    ",",
+    ";",
+    "*",
+    "as",
+    "@",
+    "@if",
+    "@elif",
+    "@else",
+    "@if(A)",
+    "@elif(!B)",
+    "@if(A && B || !(C))",
+    "@if(true)",
+    "@if((((",
+    "!!!!",
+    "&&",
+    "||",
+    "A",
+    "B",
+    "fn",
+    "fn f() {}",
+    "fn g(x: u32) -> u32 { return x; }",
+    "struct S { x: u32 }",
+    "const c = 1u;",
+    "override o: u32;",
+    "alias T = u32;",
+    "var<private> v: u32;",
+    "var<",
+    ">",
+    "=",
+    "enable f16;",
+    "enable subgroups, f16;",
+    "requires x;",
+    "diagnostic(off, derivative_uniformity);",
+    "const_assert true;",
+    "/*",
+    "*/",
+    "/**/",
+    "/* /* */",
+    "//",
+    "\n",
+    "\r",
+    "\u{2028}",
+    "\u{85}",
+    "\t",
+    "import package::a::f;",
+    "import package::b::{S, g};",
+    "import package::c::d::{c, v,};",
+    "import package::{a::f, b::{g}};",
+    "import other::x;",
+    "@must_use",
+    "@group(0)",
+    "\"",
+    "'",
+    "0x1fu",
+    "1e5",
+    "\u{0}",
+    "é",
+    "𝕏",
+    "\u{feff}",
+    "_",
+    "main",
+    "@compute @workgroup_size(1) fn main() {}",
 ];
 
 fn source() -> impl Strategy<Value = String> {
     let piece = prop_oneof![20 => select(PIECES).prop_map(str::to_owned), 1 => "\\PC{0,6}", 1 => any::<char>().prop_map(String::from)];
     vec((piece, any::<bool>()), 0..40).prop_map(|pieces| {
-        pieces.into_iter().map(|(piece, space)| if space { piece + " " } else { piece }).collect()
+        pieces
+            .into_iter()
+            .map(|(piece, space)| if space { piece + " " } else { piece })
+            .collect()
     })
 }
 
@@ -32,11 +101,19 @@ fn features() -> impl Strategy<Value = Vec<&'static str>> {
 /// Composes; every place that is asked for is one of a file, and so is that of an error.
 fn composed(root: &str, modules: &[&str; 3], features: &[&str], target: Target) {
     let paths = ["a", "b", "c::d"];
-    let modules: Vec<File<'_>> = paths.iter().zip(modules).map(|(path, text)| File::new(path, text)).collect();
+    let modules: Vec<File<'_>> = paths
+        .iter()
+        .zip(modules)
+        .map(|(path, text)| File::new(path, text))
+        .collect();
     match compose(&File::new("root", root), &modules, features, target) {
         Ok(made) => {
             let text = made.text();
-            for offset in (0..text.len()).step_by(7).chain([0, text.len(), text.len() + 1, usize::MAX]) {
+            for offset in
+                (0..text.len())
+                    .step_by(7)
+                    .chain([0, text.len(), text.len() + 1, usize::MAX])
+            {
                 let place = made.place(offset);
                 assert!(place.line >= 1 && place.column >= 1);
                 assert!(!place.snippet().is_empty());
@@ -87,7 +164,8 @@ fn a_condition_of_a_million_features_is_read() {
     for operator in [" && ", " || "] {
         let condition = vec!["A"; 1_000_000].join(operator);
         let text = format!("@if({condition}) const a = 1u;\nconst b = 2u;");
-        let made = compose(&File::new("root", &text), &[], &["A"], Target::Naga).expect("it is sound");
+        let made =
+            compose(&File::new("root", &text), &[], &["A"], Target::Naga).expect("it is sound");
         assert!(made.text().contains("const a"));
         assert_eq!(made.features().collect::<Vec<_>>(), ["A"]);
     }
@@ -102,8 +180,13 @@ fn deep_nesting_is_refused() {
         format!("import package::{}", deep("{")),
         format!("import package::{}", deep("{a::")),
     ] {
-        let error = compose(&File::new("root", &text), &[], &[], Target::Naga).expect_err("it is too deep");
-        assert!(error.to_string().contains("less nesting"), "{}", error.problem);
+        let error =
+            compose(&File::new("root", &text), &[], &[], Target::Naga).expect_err("it is too deep");
+        assert!(
+            error.to_string().contains("less nesting"),
+            "{}",
+            error.problem
+        );
     }
     // Bodies are only counted, so these may be as deep as they like.
     let text = format!("fn f() {{ {}{} }}", deep("{"), "}".repeat(100_000));

@@ -25,14 +25,26 @@ fn declare(out: &mut String, name: &str, (kind, condition, picks): Declaration, 
         1 => format!(
             "fn {name}(x: u32) -> u32 {{ var y = {value}; /* }} @if(A) /* {{ */ */ {{ y += x; }} // import {{\n return y; }}"
         ),
-        2 => format!("fn {name}(x: u32) -> u32 {{ if x > 3u {{ return {value}; }} else {{ return x; }} }}"),
-        _ => format!("@must_use /* fn */ fn {name}(x: u32) -> u32 {{ let s = vec2<u32>({value}, x); return s.x + s.y; }}"),
+        2 => format!(
+            "fn {name}(x: u32) -> u32 {{ if x > 3u {{ return {value}; }} else {{ return x; }} }}"
+        ),
+        _ => format!(
+            "@must_use /* fn */ fn {name}(x: u32) -> u32 {{ let s = vec2<u32>({value}, x); return s.x + s.y; }}"
+        ),
     };
     let feature = FEATURES[usize::from(condition / 8) % 3];
     let chain = match condition % 8 {
         0 => format!("@if({feature}) {}\n@else {}", body(&a), body(&b)),
-        1 => format!("@if(!{feature} && true)\n{}\n@elif(false) fn {name}() {{}}\n@else {}", body(&a), body(&b)),
-        2 => format!("@if({feature} || (A && !B)) {} @elif({feature}) fn {name}() {{}} @else {}", body(&a), body(&b)),
+        1 => format!(
+            "@if(!{feature} && true)\n{}\n@elif(false) fn {name}() {{}}\n@else {}",
+            body(&a),
+            body(&b)
+        ),
+        2 => format!(
+            "@if({feature} || (A && !B)) {} @elif({feature}) fn {name}() {{}} @else {}",
+            body(&a),
+            body(&b)
+        ),
         3 => format!("@if(false) const {name} = 1;\n{}", body(&a)),
         _ => body(&a),
     };
@@ -41,17 +53,31 @@ fn declare(out: &mut String, name: &str, (kind, condition, picks): Declaration, 
 
 /// Imports of `names` out of modules `m0`, `m1::inner` and so on, in one of their spellings.
 fn imports(out: &mut String, names: &[(usize, String)], spelling: u8) {
-    let path = |module: usize| if module.is_multiple_of(2) { format!("m{module}") } else { format!("m{module}::inner") };
+    let path = |module: usize| {
+        if module.is_multiple_of(2) {
+            format!("m{module}")
+        } else {
+            format!("m{module}::inner")
+        }
+    };
     match spelling % 3 {
         0 => names.iter().for_each(|(module, name)| {
             writeln!(out, "import package::{}::{name};", path(*module)).expect("memory takes it");
         }),
         1 if !names.is_empty() => {
-            let list: Vec<String> = names.iter().map(|(module, name)| format!("{}::{name}", path(*module))).collect();
+            let list: Vec<String> = names
+                .iter()
+                .map(|(module, name)| format!("{}::{name}", path(*module)))
+                .collect();
             writeln!(out, "import package::{{ {} }};", list.join(", ")).expect("memory takes it");
         }
         _ => names.iter().for_each(|(module, name)| {
-            writeln!(out, "@if(true) import package::{}::{{{name},}}; // {name}", path(*module)).expect("memory takes it");
+            writeln!(
+                out,
+                "@if(true) import package::{}::{{{name},}}; // {name}",
+                path(*module)
+            )
+            .expect("memory takes it");
         }),
     }
 }

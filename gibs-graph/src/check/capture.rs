@@ -4,8 +4,8 @@ use super::error::CaptureError;
 use super::isolate::Isolated;
 use super::npz::{Reader, Writer};
 use crate::{
-    Access, Action, Binding, DispatchArgs, DispatchSize, DispatchStep, Element, ImageShape, Initial, Kind, Layout, Output,
-    Resource, ResourceId, Schedule, StageInfo, Step, Usage,
+    Access, Action, Binding, DispatchArgs, DispatchSize, DispatchStep, Element, ImageShape,
+    Initial, Kind, Layout, Output, Resource, ResourceId, Schedule, StageInfo, Step, Usage,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -288,7 +288,9 @@ impl Capture {
         let ports = self.bindings.iter().map(|binding| binding.port.as_str());
         let keys = self.buffers.iter().map(|buffer| buffer.key.as_str());
         let lanes = self.results.iter().map(|origin| origin.lane.as_str());
-        let twice = twice(ports).or_else(|| twice(keys)).or_else(|| twice(lanes));
+        let twice = twice(ports)
+            .or_else(|| twice(keys))
+            .or_else(|| twice(lanes));
         if let Some(name) = twice {
             return Err(format!("it has `{name}` twice"));
         }
@@ -456,7 +458,9 @@ fn plain_size(element: &Layout) -> Option<u32> {
             stride,
         } => {
             let size = plain_size(element).filter(|size| size == stride)?;
-            (1..=1 << 16).contains(count).then(|| count.checked_mul(size))?
+            (1..=1 << 16)
+                .contains(count)
+                .then(|| count.checked_mul(size))?
         }
         Layout::Struct { size, fields, .. } => {
             let end = fields.iter().try_fold(0_u32, |end, field| {
