@@ -47,3 +47,12 @@ pub fn with_header(text: &str, data: &[u8]) -> Vec<u8> {
     npy.extend(data);
     npy
 }
+
+/// An archive of these members, of which the first has another name as well.
+pub fn shared(members: &[(String, Vec<u8>)]) -> Vec<u8> {
+    let mut writer = ZipWriter::new_append(Cursor::new(pack(members))).expect("an archive");
+    writer
+        .shallow_copy_file(&members[0].0, "again")
+        .expect("it is there");
+    writer.finish().expect("memory takes it").into_inner()
+}

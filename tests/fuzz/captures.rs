@@ -1,5 +1,5 @@
 //! The reader of captures: broken archives, broken members, broken descriptions.
-use crate::archive::{Members, data, pack, unpack, with_header};
+use crate::archive::{Members, data, pack, shared, unpack, with_header};
 use crate::edits::{byte_edits, edit_bytes, edit_json, json_edits};
 use crate::file::Folder;
 use crate::replays::run;
@@ -264,4 +264,25 @@ fn a_description_that_names_one_member_twice_is_refused() {
         buffers.push(buffers[0].clone());
     });
     read(&bytes).expect_err("a result has a buffer once");
+}
+
+/// Two names for one place in the archive: what is unpacked would be any multiple of the file.
+#[test]
+fn an_archive_whose_members_share_bytes_is_refused() {
+    let bytes = shared(&members_of("Integrate"));
+    let refused = read(&bytes).expect_err("two members are one");
+    assert!(refused.contains("same place"), "{refused}");
+}
+
+/// The layout of their triangles once lacked a field, so that such a file could be written and not read.
+#[test]
+fn captures_of_tracing_are_read_from_their_files() {
+    for stage in ["TraceClosest", "TraceAny"] {
+        let capture = read(&pack(&members_of(stage))).expect("it is sound");
+        let packets = capture
+            .buffers
+            .iter()
+            .find(|b| b.key == "scene_wide_packets");
+        assert_eq!(packets.map(|b| b.element.size()), Some(320));
+    }
 }
