@@ -1,0 +1,87 @@
+//! A scene and its camera a thousand kilometres from the world's origin. In `f32`, places there are 6 cm apart.
+use super::build::{LAMP, LAMP_INTENSITY, move_by, room};
+use super::common::all_backends;
+use super::measure::{
+    Noise, SIZE, U, assert_same_light, bits, draw, levels, positions, relative, settings,
+};
+use super::pictures;
+use gibs::passes::scene::Scene;
+use gibs::view::View;
+use glam::DVec3;
+
+const FRAMES: u32 = 48;
+
+fn at(offset: DVec3) -> (Scene, View) {
+    let (mut scene, mut view) = room();
+    move_by(&mut scene, offset);
+    view.camera.position += offset;
+    view.camera.target += offset;
+    (scene, view)
+}
+
+/// 1e6 m is 62 500 steps of the floating origin's lattice of 16 m, and every translation of the room is a short binary number:
+/// in `f64` each sum with 1e6 is exact, so that all numbers relative to the floating origin are those at the world's origin.
+/// The bound is equality of all bits.
+#[test]
+fn on_the_lattice_no_bit_changes() {
+    for backend in all_backends() {
+        let name = backend.name();
+        let drawn = |offset| {
+            draw(
+                backend.as_ref(),
+                &at(offset),
+                SIZE,
+                FRAMES,
+                &settings(),
+                0,
+            )
+        };
+        let here = drawn(DVec3::ZERO);
+        let there = drawn(DVec3::new(1e6, -1e6, 1e6));
+        for layer in ["E", "direct"] {
+            assert!(bits(&here, layer) == bits(&there, layer), "{name}: {layer}");
+        }
+        println!("{name}: 1e6 m on the lattice: every bit of E and direct light is the same");
+    }
+}
+
+/// Between the lattice's points the floating origin lies up to 8 m beside the eye, and coordinates have other roundings.
+///
+/// Direct light: a place is found from at most 16 roundings of numbers below R = 32 m in either picture, so that the two differ
+/// by `d = 2 * 16 * U * R`; the gradient of `I cos / r^2` is at most `4 I / r^3`, and the sum of both moves the light's own
+/// place too: `|dE| <= 8 I d / r^3`.
+///
+/// Indirect light: other roundings decide otherwise about a birth here and there, and what follows is another draw. The bound is
+/// that of two draws, [`Noise`].
+#[test]
+fn off_the_lattice_what_f32_leaves_is_left() {
+    let noise = Noise::of(&at(DVec3::ZERO), SIZE, FRAMES, &settings());
+    let place = 2.0 * 16.0 * U * 32.0;
+    for backend in all_backends() {
+        let name = backend.name();
+        let drawn = |offset| {
+            draw(
+                backend.as_ref(),
+                &at(offset),
+                SIZE,
+                FRAMES,
+                &settings(),
+                0,
+            )
+        };
+        let here = drawn(DVec3::ZERO);
+        let there = drawn(DVec3::new(1e6 + 5.3, -1e6 - 7.1, 1e6 + 3.7));
+        let (one, other) = (levels(&here, "direct"), levels(&there, "direct"));
+        let mut worst = 0f64;
+        for (i, p) in positions(&here).into_iter().enumerate() {
+            let Some(p) = p else { continue };
+            let bound = 8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3);
+            let share = (other[i] - one[i]).abs() / bound;
+            assert!(share <= 1.0, "{name}: direct at {p}: {} of the bound", share);
+            worst = worst.max(share);
+        }
+        println!("{name}: 1e6 m off the lattice: direct light at most {worst:.3} of its bound");
+        assert_same_light(&here, &there, &noise, &format!("{name}: off the lattice"));
+        pictures::errors("far-away", name, &here, &relative(&here, &there), 0.5);
+    }
+}
