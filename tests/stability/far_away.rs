@@ -26,16 +26,7 @@ fn at(offset: DVec3) -> (Scene, View) {
 fn on_the_lattice_no_bit_changes() {
     for backend in all_backends() {
         let name = backend.name();
-        let drawn = |offset| {
-            draw(
-                backend.as_ref(),
-                &at(offset),
-                SIZE,
-                FRAMES,
-                &settings(),
-                0,
-            )
-        };
+        let drawn = |offset| draw(backend.as_ref(), &at(offset), SIZE, FRAMES, &settings(), 0);
         let here = drawn(DVec3::ZERO);
         let there = drawn(DVec3::new(1e6, -1e6, 1e6));
         for layer in ["E", "direct"] {
@@ -59,16 +50,7 @@ fn off_the_lattice_what_f32_leaves_is_left() {
     let place = 2.0 * 16.0 * U * 32.0;
     for backend in all_backends() {
         let name = backend.name();
-        let drawn = |offset| {
-            draw(
-                backend.as_ref(),
-                &at(offset),
-                SIZE,
-                FRAMES,
-                &settings(),
-                0,
-            )
-        };
+        let drawn = |offset| draw(backend.as_ref(), &at(offset), SIZE, FRAMES, &settings(), 0);
         let here = drawn(DVec3::ZERO);
         let there = drawn(DVec3::new(1e6 + 5.3, -1e6 - 7.1, 1e6 + 3.7));
         let (one, other) = (levels(&here, "direct"), levels(&there, "direct"));
@@ -77,7 +59,11 @@ fn off_the_lattice_what_f32_leaves_is_left() {
             let Some(p) = p else { continue };
             let bound = 8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3);
             let share = (other[i] - one[i]).abs() / bound;
-            assert!(share <= 1.0, "{name}: direct at {p}: {} of the bound", share);
+            assert!(
+                share <= 1.0,
+                "{name}: direct at {p}: {} of the bound",
+                share
+            );
             worst = worst.max(share);
         }
         println!("{name}: 1e6 m off the lattice: direct light at most {worst:.3} of its bound");

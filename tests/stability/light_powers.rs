@@ -64,7 +64,16 @@ fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
             ("outside", settings()),
             ("all", guided.clone()),
         ] {
-            let at = |scale: f32| draw(backend.as_ref(), &lit(kind, scale), [48, 27], 12, &settings, 1);
+            let at = |scale: f32| {
+                draw(
+                    backend.as_ref(),
+                    &lit(kind, scale),
+                    [48, 27],
+                    12,
+                    &settings,
+                    1,
+                )
+            };
             let one = at(1.0);
             for power in [-40, 40] {
                 let scale = 2f32.powi(power);

@@ -39,7 +39,16 @@ fn scaled(scale: f64) -> (Scene, View) {
 fn powers_of_two_change_no_bit() {
     for backend in all_backends() {
         let name = backend.name();
-        let drawn = |scale| draw(backend.as_ref(), &scaled(scale), SIZE, FRAMES, &settings(), 0);
+        let drawn = |scale| {
+            draw(
+                backend.as_ref(),
+                &scaled(scale),
+                SIZE,
+                FRAMES,
+                &settings(),
+                0,
+            )
+        };
         let one = drawn(1.0);
         for power in [-10, 13, 20] {
             let other = drawn(2f64.powi(power));
@@ -47,7 +56,9 @@ fn powers_of_two_change_no_bit() {
                 let same = bits(&one, layer) == bits(&other, layer);
                 assert!(same, "{name}: {layer} at 2^{power}");
             }
-            println!("{name}: lengths times 2^{power}: every bit of E and direct light is the same");
+            println!(
+                "{name}: lengths times 2^{power}: every bit of E and direct light is the same"
+            );
         }
     }
 }
@@ -60,7 +71,16 @@ fn other_factors_leave_what_f32_leaves() {
     let place = 2.0 * 16.0 * U * 16.0;
     for backend in all_backends() {
         let name = backend.name();
-        let drawn = |scale| draw(backend.as_ref(), &scaled(scale), SIZE, FRAMES, &settings(), 0);
+        let drawn = |scale| {
+            draw(
+                backend.as_ref(),
+                &scaled(scale),
+                SIZE,
+                FRAMES,
+                &settings(),
+                0,
+            )
+        };
         let one = drawn(1.0);
         for scale in [1e-3, 1e4] {
             let other = drawn(scale);
@@ -68,7 +88,8 @@ fn other_factors_leave_what_f32_leaves() {
             let mut worst = 0f64;
             for (i, p) in positions(&one).into_iter().enumerate() {
                 let Some(p) = p else { continue };
-                let bound = 8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3) + 4.0 * U * a[i];
+                let bound =
+                    8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3) + 4.0 * U * a[i];
                 let share = (b[i] - a[i]).abs() / bound;
                 assert!(share <= 1.0, "{name}: {scale}: direct at {p}: {share}");
                 worst = worst.max(share);

@@ -21,7 +21,7 @@ const INTENSITY: f32 = 1e6;
 
 fn settings() -> Settings {
     Settings {
-        surfels: 2048,
+        surfels: 8192,
         rays: 8192,
         continuations: 16,
         ..Settings::default()
@@ -60,12 +60,14 @@ fn with_cube() -> (Scene, View) {
 /// E of the pixels that see the wall. The lamp in front of it covers a few in the middle, in both scenes left out: E is
 /// symmetric and flat there.
 fn of_wall(picture: &Picture) -> Vec<f64> {
-    let is_wall = |p: Option<glam::DVec3>| {
-        p.is_some_and(|p| p.z < -0.999 && p.x.abs().max(p.y.abs()) > 0.05)
-    };
+    let is_wall =
+        |p: Option<glam::DVec3>| p.is_some_and(|p| p.z < -0.999 && p.x.abs().max(p.y.abs()) > 0.05);
     let seen = positions(picture).into_iter().map(is_wall);
     let e = levels(picture, "E").into_iter();
-    e.zip(seen).filter(|(_, wall)| *wall).map(|(e, _)| e).collect()
+    e.zip(seen)
+        .filter(|(_, wall)| *wall)
+        .map(|(e, _)| e)
+        .collect()
 }
 
 fn holds(case: &str, make: fn() -> (Scene, View), want: f64, model: f64) {
@@ -103,7 +105,10 @@ fn a_point_of_a_million_candela_has_its_energy() {
         let name = backend.name();
         let picture = draw(backend.as_ref(), &with_point(), [48, 48], 1, &settings(), 0);
         let mut worst = 0f64;
-        for (p, direct) in positions(&picture).into_iter().zip(levels(&picture, "direct")) {
+        for (p, direct) in positions(&picture)
+            .into_iter()
+            .zip(levels(&picture, "direct"))
+        {
             let p = p.expect("the room is closed");
             let exact = intensity / p.length().powi(3);
             worst = worst.max((direct / exact - 1.0).abs());

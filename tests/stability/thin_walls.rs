@@ -53,8 +53,8 @@ fn behind_a_millimetre_it_is_dark() {
         let (truth, _) =
             reference(backend.as_ref(), &scene, &dark, &options, |_, _| {}).expect("renders");
         let size = [96, 54];
-        let mut renderer =
-            Renderer::new(backend.as_ref(), &scene, &bright, size, &settings(), 0).expect("prepares");
+        let mut renderer = Renderer::new(backend.as_ref(), &scene, &bright, size, &settings(), 0)
+            .expect("prepares");
         let lit = mean(&levels(&go_on(&mut renderer, 48, name), "E"));
         renderer.set_camera(dark.camera);
         let picture = go_on(&mut renderer, 48, name);
