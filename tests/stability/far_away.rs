@@ -1,15 +1,13 @@
 //! A scene and its camera a thousand kilometres from the world's origin. In `f32`, places there are 6 cm apart.
-use super::build::{LAMP, LAMP_INTENSITY, move_by, room};
+use super::build::{move_by, room};
 use super::common::all_backends;
 use super::measure::{
-    Noise, SIZE, U, assert_same_light, bits, draw, levels, positions, relative, settings,
+    FRAMES, Noise, SIZE, assert_same_direct, assert_same_light, bits, draw, relative, settings,
 };
 use super::pictures;
 use gibs::passes::scene::Scene;
 use gibs::view::View;
 use glam::DVec3;
-
-const FRAMES: u32 = 48;
 
 fn at(offset: DVec3) -> (Scene, View) {
     let (mut scene, mut view) = room();
@@ -38,36 +36,21 @@ fn on_the_lattice_no_bit_changes() {
 
 /// Between the lattice's points the floating origin lies up to 8 m beside the eye, and coordinates have other roundings.
 ///
-/// Direct light: a place is found from at most 16 roundings of numbers below R = 32 m in either picture, so that the two differ
-/// by `d = 2 * 16 * U * R`; the gradient of `I cos / r^2` is at most `4 I / r^3`, and the sum of both moves the light's own
-/// place too: `|dE| <= 8 I d / r^3`.
+/// Direct light is held to what roundings of numbers below 32 m leave, as [`assert_same_direct`] derives.
 ///
 /// Indirect light: other roundings decide otherwise about a birth here and there, and what follows is another draw. The bound is
 /// that of two draws, [`Noise`].
 #[test]
 fn off_the_lattice_what_f32_leaves_is_left() {
-    let noise = Noise::of(&at(DVec3::ZERO), SIZE, FRAMES, &settings());
-    let place = 2.0 * 16.0 * U * 32.0;
+    let noise = Noise::of_room();
     for backend in all_backends() {
         let name = backend.name();
         let drawn = |offset| draw(backend.as_ref(), &at(offset), SIZE, FRAMES, &settings(), 0);
         let here = drawn(DVec3::ZERO);
         let there = drawn(DVec3::new(1e6 + 5.3, -1e6 - 7.1, 1e6 + 3.7));
-        let (one, other) = (levels(&here, "direct"), levels(&there, "direct"));
-        let mut worst = 0f64;
-        for (i, p) in positions(&here).into_iter().enumerate() {
-            let Some(p) = p else { continue };
-            let bound = 8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3);
-            let share = (other[i] - one[i]).abs() / bound;
-            assert!(
-                share <= 1.0,
-                "{name}: direct at {p}: {} of the bound",
-                share
-            );
-            worst = worst.max(share);
-        }
-        println!("{name}: 1e6 m off the lattice: direct light at most {worst:.3} of its bound");
-        assert_same_light(&here, &there, &noise, &format!("{name}: off the lattice"));
+        let what = format!("{name}: 1e6 m off the lattice");
+        assert_same_direct(&here, &there, 32.0, 0.0, &what);
+        assert_same_light(&here, &there, &noise, &what);
         pictures::errors("far-away", name, &here, &relative(&here, &there), 0.5);
     }
 }

@@ -1,15 +1,11 @@
 //! Lights at which a distance or a cosine is zero, or nearly: in a floor, in a wall, and along the floor.
 use super::build::Build;
 use super::common::all_backends;
-use super::measure::{U, draw, levels, positions, settings};
+use super::measure::{PACKED, U, draw, levels, positions, settings};
 use super::pictures;
 use gibs::passes::scene::{LightKind, Sun};
 use gibs::picture::Picture;
 use glam::{DVec3, Vec3};
-
-/// Most angle between a normal and what 16 bits of its octahedral square hold: half a step is `h = 1 / 65535` on each axis, the
-/// map moves a point by at most `sqrt(6) h`, and the point is at least `1 / sqrt(3)` from the middle.
-const PACKED: f64 = 4.2427 / 65_535.0;
 
 /// A floor of 8 m and a wall at x = -2 that faces it, seen from above.
 fn corner(name: &str) -> Build {

@@ -1,4 +1,5 @@
 //! Drawing, and what is measured of pictures.
+use super::build::{self, LAMP, LAMP_INTENSITY};
 use super::common::{self, cpu};
 use gibs::Renderer;
 use gibs::graph::Backend;
@@ -6,12 +7,14 @@ use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::view::View;
+use std::sync::OnceLock;
 
 /// Unit roundoff of `f32`.
 pub const U: f64 = 1.0 / 16_777_216.0;
 
-/// Small enough for a software driver.
-pub const SIZE: [u32; 2] = [64, 36];
+/// Size of pictures and frames before them in cases that compare one room with another: little enough for a software driver.
+pub const SIZE: [u32; 2] = [48, 27];
+pub const FRAMES: u32 = 32;
 
 pub fn settings() -> Settings {
     Settings {
@@ -124,10 +127,42 @@ impl Noise {
         }
     }
 
+    /// Of the room of `build`, as it is drawn everywhere.
+    pub fn of_room() -> Self {
+        static NOISE: OnceLock<Noise> = OnceLock::new();
+        *NOISE.get_or_init(|| Self::of(&build::room(), SIZE, FRAMES, &settings()))
+    }
+
     /// Largest relative difference of two means of E that are the same but for chance: five standard deviations of a difference.
     pub fn most(&self) -> f64 {
         5.0 * 2f64.sqrt() * self.of_mean
     }
+}
+
+/// Most angle between a normal and what 16 bits of its octahedral square hold: half a step is `h = 1 / 65535` on each axis, the
+/// map moves a point by at most `sqrt(6) h`, and the point is at least `1 / sqrt(3)` from the middle.
+pub const PACKED: f64 = 4.2427 / 65_535.0;
+
+/// Holds direct light in two pictures of the room, at `scale`, against where its light and its surfaces are: of numbers up to
+/// `reach` metres, 16 roundings in either picture make a place uncertain by `d = 2 * 16 U * reach`. The gradient of
+/// `I cos / r^2` is at most `4 I / r^3`, the light itself moves as much, and `turned` is how far normals differ:
+/// `|dE| <= I (8 d / r + turned) / r^2 + 4 U E`.
+pub fn assert_same_direct(one: &Picture, other: &Picture, reach: f64, turned: f64, what: &str) {
+    let place = 2.0 * 16.0 * U * reach;
+    let (a, b) = (levels(one, "direct"), levels(other, "direct"));
+    let mut worst = 0f64;
+    for (i, p) in positions(one).into_iter().enumerate() {
+        let Some(p) = p else { continue };
+        let r = (p - LAMP).length();
+        let bound = LAMP_INTENSITY * (8.0 * place / r + turned) / (r * r) + 4.0 * U * a[i];
+        let share = (b[i] - a[i]).abs() / bound;
+        assert!(
+            share <= 1.0,
+            "{what}: direct light at {p}: {share} of the bound"
+        );
+        worst = worst.max(share);
+    }
+    println!("{what}: direct light at most {worst:.3} of its bound");
 }
 
 /// Holds two pictures of the same light against chance: means within [`Noise::most`], and pixels no farther apart than those of

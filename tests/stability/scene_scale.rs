@@ -1,15 +1,13 @@
 //! The same scene as a model of millimetres and as a landscape of kilometres. What has a length built into it shows here.
-use super::build::{LAMP, LAMP_INTENSITY, room};
+use super::build::room;
 use super::common::all_backends;
 use super::measure::{
-    Noise, SIZE, U, assert_same_light, bits, draw, levels, positions, relative, settings,
+    FRAMES, Noise, SIZE, assert_same_direct, assert_same_light, bits, draw, relative, settings,
 };
 use super::pictures;
 use gibs::passes::scene::{LocalTransform, Scene};
 use gibs::view::View;
 use glam::Vec3;
-
-const FRAMES: u32 = 48;
 
 /// Lengths times `scale`, and intensities times its square, which leaves irradiance as it is. Radiance stays.
 fn scaled(scale: f64) -> (Scene, View) {
@@ -63,12 +61,11 @@ fn powers_of_two_change_no_bit() {
     }
 }
 
-/// Other factors round each coordinate anew. Over lengths, that is the displacement of `far_away`, with R = 16 at scale one:
-/// direct light within `8 I d / r^3`, `d = 2 * 16 * U * R`, and a rounding of the intensity; indirect light as two draws.
+/// Other factors round each coordinate anew: at scale one, numbers below 16 m. Direct light is held to what that leaves, as
+/// [`assert_same_direct`] derives, indirect light to chance, [`Noise`].
 #[test]
 fn other_factors_leave_what_f32_leaves() {
-    let noise = Noise::of(&room(), SIZE, FRAMES, &settings());
-    let place = 2.0 * 16.0 * U * 16.0;
+    let noise = Noise::of_room();
     for backend in all_backends() {
         let name = backend.name();
         let drawn = |scale| {
@@ -84,18 +81,9 @@ fn other_factors_leave_what_f32_leaves() {
         let one = drawn(1.0);
         for scale in [1e-3, 1e4] {
             let other = drawn(scale);
-            let (a, b) = (levels(&one, "direct"), levels(&other, "direct"));
-            let mut worst = 0f64;
-            for (i, p) in positions(&one).into_iter().enumerate() {
-                let Some(p) = p else { continue };
-                let bound =
-                    8.0 * LAMP_INTENSITY * place / (p - LAMP).length().powi(3) + 4.0 * U * a[i];
-                let share = (b[i] - a[i]).abs() / bound;
-                assert!(share <= 1.0, "{name}: {scale}: direct at {p}: {share}");
-                worst = worst.max(share);
-            }
-            println!("{name}: lengths times {scale}: direct light at most {worst:.3} of its bound");
-            assert_same_light(&one, &other, &noise, &format!("{name}: times {scale}"));
+            let what = format!("{name}: lengths times {scale}");
+            assert_same_direct(&one, &other, 16.0, 0.0, &what);
+            assert_same_light(&one, &other, &noise, &what);
             let errors = relative(&one, &other);
             pictures::errors(&format!("scene-scale-{scale}"), name, &one, &errors, 0.5);
         }
