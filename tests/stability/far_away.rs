@@ -4,7 +4,7 @@ use super::common::all_backends;
 use super::measure::{
     FRAMES, Noise, SIZE, assert_same_direct, assert_same_light, bits, draw, relative, settings,
 };
-use super::pictures;
+use super::{measure, pictures};
 use gibs::passes::scene::Scene;
 use gibs::view::View;
 use glam::DVec3;
@@ -25,7 +25,7 @@ fn on_the_lattice_no_bit_changes() {
     for backend in all_backends() {
         let name = backend.name();
         let drawn = |offset| draw(backend.as_ref(), &at(offset), SIZE, FRAMES, &settings(), 0);
-        let here = drawn(DVec3::ZERO);
+        let here = measure::room(backend.as_ref());
         let there = drawn(DVec3::new(1e6, -1e6, 1e6));
         for layer in ["E", "direct"] {
             assert!(bits(&here, layer) == bits(&there, layer), "{name}: {layer}");
@@ -46,7 +46,7 @@ fn off_the_lattice_what_f32_leaves_is_left() {
     for backend in all_backends() {
         let name = backend.name();
         let drawn = |offset| draw(backend.as_ref(), &at(offset), SIZE, FRAMES, &settings(), 0);
-        let here = drawn(DVec3::ZERO);
+        let here = measure::room(backend.as_ref());
         let there = drawn(DVec3::new(1e6 + 5.3, -1e6 - 7.1, 1e6 + 3.7));
         let what = format!("{name}: 1e6 m off the lattice");
         assert_same_direct(&here, &there, 32.0, 0.0, &what);

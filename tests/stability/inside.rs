@@ -1,13 +1,13 @@
 //! A camera inside a solid, and pictures smaller than any tile.
 use super::build::{Build, room};
 use super::common::{all_backends, cpu};
-use super::measure::{U, draw, levels, settings};
+use super::measure::{U, assert_finite, draw, go_on, levels, settings};
 use super::pictures;
-use gibs::builtin;
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::{LightKind, Scene, Sun};
 use gibs::reference::{ReferenceOptions, reference};
 use gibs::view::View;
+use gibs::{Renderer, builtin};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -75,31 +75,32 @@ fn eyes_on_surfaces_see_something_finite() {
 
 const SIZES: [[u32; 2]; 5] = [[1, 1], [1, 7], [7, 1], [37, 23], [3, 129]];
 
-/// At albedo 0 every pixel of a picture of any size has E = `pi e`, within the roundings of `white_walls`; in the room, all values
-/// are finite, and so are those of the reference.
+/// At albedo 0 every pixel of a picture of any size has E = `pi e`, within the roundings of `white_walls`, also where a run goes on
+/// from one size to the next. In the room all values are finite, and so are those of the reference.
 #[test]
 fn odd_sizes_have_every_pixel_right() {
+    const DRAWN: u32 = 16;
     let alone = Settings {
         emitters: false,
+        rays: 1024,
         ..settings()
     };
+    let (furnace, view) = builtin::furnace(0.0, 1.0);
     for backend in all_backends() {
         let name = backend.name();
-        for size in SIZES {
-            let black = draw(
-                backend.as_ref(),
-                &builtin::furnace(0.0, 1.0),
-                size,
-                24,
-                &alone,
-                0,
-            );
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &furnace, &view, [2, 2], &alone, 0).expect("prepares");
+        for (size, frames) in SIZES.into_iter().zip((DRAWN..).step_by(DRAWN as usize)) {
+            renderer.resize(size).expect("another size");
+            let black = go_on(&mut renderer, DRAWN, name);
             let worst = levels(&black, "E")
                 .into_iter()
                 .fold(0f64, |w, e| w.max((e / PI - 1.0).abs()));
-            let bound = 2.0 * (24.0 + 1024.0) * U;
+            let bound = 2.0 * (f64::from(frames) + 1024.0) * U;
             println!("{name}: {size:?}: E is off by {worst:.2e} (bound {bound:.2e})");
             assert!(worst <= bound, "{name}: {size:?}: {worst}");
+        }
+        for size in [[1, 1], [37, 23]] {
             draw(backend.as_ref(), &room(), size, 4, &settings(), 0);
         }
     }
@@ -113,6 +114,6 @@ fn odd_sizes_have_every_pixel_right() {
         let (scene, view) = room();
         let (picture, _) =
             reference(cpu().as_ref(), &scene, &view, &options, |_, _| {}).expect("renders");
-        super::measure::assert_finite(&picture, "the reference");
+        assert_finite(&picture, "the reference");
     }
 }

@@ -61,7 +61,6 @@ fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
         for (kind, settings) in [
             ("lamp", settings()),
             ("punctual", settings()),
-            ("outside", settings()),
             ("all", guided.clone()),
         ] {
             let at = |scale: f32| {
@@ -69,7 +68,7 @@ fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
                     backend.as_ref(),
                     &lit(kind, scale),
                     [48, 27],
-                    12,
+                    8,
                     &settings,
                     1,
                 )

@@ -7,7 +7,8 @@ use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::view::View;
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Unit roundoff of `f32`.
 pub const U: f64 = 1.0 / 16_777_216.0;
@@ -36,6 +37,16 @@ pub fn draw(
     let picture = common::render(backend, scene, size, frames, settings, seed);
     assert_finite(&picture, backend.name());
     picture
+}
+
+/// The room of `build` at its usual size, as this backend draws it: once for all cases that compare others with it.
+pub fn room(backend: &dyn Backend) -> Arc<Picture> {
+    static DRAWN: Mutex<BTreeMap<String, Arc<Picture>>> = Mutex::new(BTreeMap::new());
+    let mut drawn = DRAWN.lock().expect("no case has failed while it drew this");
+    let picture = drawn
+        .entry(backend.name().to_owned())
+        .or_insert_with(|| Arc::new(draw(backend, &build::room(), SIZE, FRAMES, &settings(), 0)));
+    Arc::clone(picture)
 }
 
 pub fn assert_finite(picture: &Picture, what: &str) {

@@ -4,7 +4,7 @@ use super::common::all_backends;
 use super::measure::{
     FRAMES, Noise, SIZE, assert_same_direct, assert_same_light, bits, draw, relative, settings,
 };
-use super::pictures;
+use super::{measure, pictures};
 use gibs::passes::scene::{LocalTransform, Scene};
 use gibs::view::View;
 use glam::Vec3;
@@ -47,8 +47,8 @@ fn powers_of_two_change_no_bit() {
                 0,
             )
         };
-        let one = drawn(1.0);
-        for power in [-10, 13, 20] {
+        let one = measure::room(backend.as_ref());
+        for power in [-10, 13] {
             let other = drawn(2f64.powi(power));
             for layer in ["E", "direct"] {
                 let same = bits(&one, layer) == bits(&other, layer);
@@ -78,7 +78,7 @@ fn other_factors_leave_what_f32_leaves() {
                 0,
             )
         };
-        let one = drawn(1.0);
+        let one = measure::room(backend.as_ref());
         for scale in [1e-3, 1e4] {
             let other = drawn(scale);
             let what = format!("{name}: lengths times {scale}");

@@ -72,7 +72,7 @@ fn of_wall(picture: &Picture) -> Vec<f64> {
 
 fn holds(case: &str, make: fn() -> (Scene, View), want: f64, model: f64) {
     let drawn =
-        |backend: &dyn Backend, seed| draw(backend, &make(), [48, 48], 64, &settings(), seed);
+        |backend: &dyn Backend, seed| draw(backend, &make(), [48, 48], 32, &settings(), seed);
     let means: Vec<f64> = (10..16)
         .map(|seed| mean(&of_wall(&drawn(cpu().as_ref(), seed))))
         .collect();

@@ -55,9 +55,9 @@ fn behind_a_millimetre_it_is_dark() {
         let size = [96, 54];
         let mut renderer = Renderer::new(backend.as_ref(), &scene, &bright, size, &settings(), 0)
             .expect("prepares");
-        let lit = mean(&levels(&go_on(&mut renderer, 48, name), "E"));
+        let lit = mean(&levels(&go_on(&mut renderer, 32, name), "E"));
         renderer.set_camera(dark.camera);
-        let picture = go_on(&mut renderer, 48, name);
+        let picture = go_on(&mut renderer, 32, name);
         for (what, picture) in [("the reference", &truth), ("surfels", &picture)] {
             let direct = levels(picture, "direct");
             assert!(direct.iter().all(|&d| d == 0.0), "{name}: {what}: direct");

@@ -4,7 +4,7 @@ use super::common::all_backends;
 use super::measure::{
     FRAMES, Noise, SIZE, assert_same_light, bits, draw, levels, mean, relative, settings,
 };
-use super::pictures;
+use super::{measure, pictures};
 use gibs::builtin;
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
@@ -33,7 +33,7 @@ fn walls_that_are_there_twice_are_walls() {
     let noise = Noise::of_room();
     for backend in all_backends() {
         let name = backend.name();
-        let one = draw(backend.as_ref(), &room(), SIZE, FRAMES, &settings(), 0);
+        let one = measure::room(backend.as_ref());
         let two = draw(
             backend.as_ref(),
             &doubled(|shines| !shines),
@@ -54,7 +54,7 @@ fn lamps_that_are_there_twice_shine_once() {
     let noise = Noise::of_room();
     for backend in all_backends() {
         let name = backend.name();
-        let one = draw(backend.as_ref(), &room(), SIZE, FRAMES, &settings(), 0);
+        let one = measure::room(backend.as_ref());
         let two = draw(
             backend.as_ref(),
             &doubled(|shines| shines),

@@ -15,8 +15,8 @@ const CONTINUATIONS: u32 = 16;
 
 fn settings() -> Settings {
     Settings {
-        surfels: 2048,
-        rays: 8192,
+        surfels: 1024,
+        rays: 4096,
         continuations: CONTINUATIONS,
         ..Settings::default()
     }
@@ -29,28 +29,27 @@ fn settings() -> Settings {
 fn the_reference_reaches_albedo_0_99() {
     for backend in all_backends() {
         let name = backend.name();
-        for albedo in [0.9f32, 0.99] {
-            let (scene, view) = builtin::furnace(albedo, 1.0);
-            let options = ReferenceOptions {
-                size: [64, 64],
-                samples: 4,
-                seed: 1,
-                emitters: false,
-            };
-            let (picture, _) =
-                reference(backend.as_ref(), &scene, &view, &options, |_, _| {}).expect("renders");
-            assert_finite(&picture, name);
-            let a = f64::from(albedo);
-            let paths = f64::from(options.size[0] * options.size[1] * options.samples);
-            let bound = 5.0 * (a / paths).sqrt();
-            let off = mean(&levels(&picture, "E")) * (1.0 - a) / PI - 1.0;
-            println!(
-                "{name}: reference at albedo {albedo}: {:+.3} % (bound {:.3} %)",
-                off * 100.0,
-                bound * 100.0
-            );
-            assert!(off.abs() <= bound, "{name}: {albedo}: {off}");
-        }
+        let albedo = 0.99f32;
+        let (scene, view) = builtin::furnace(albedo, 1.0);
+        let options = ReferenceOptions {
+            size: [64, 64],
+            samples: 4,
+            seed: 1,
+            emitters: false,
+        };
+        let (picture, _) =
+            reference(backend.as_ref(), &scene, &view, &options, |_, _| {}).expect("renders");
+        assert_finite(&picture, name);
+        let a = f64::from(albedo);
+        let paths = f64::from(options.size[0] * options.size[1] * options.samples);
+        let bound = 5.0 * (a / paths).sqrt();
+        let off = mean(&levels(&picture, "E")) * (1.0 - a) / PI - 1.0;
+        println!(
+            "{name}: reference at albedo {albedo}: {:+.3} % (bound {:.3} %)",
+            off * 100.0,
+            bound * 100.0
+        );
+        assert!(off.abs() <= bound, "{name}: {albedo}: {off}");
     }
 }
 
@@ -82,7 +81,7 @@ fn lacks(albedo: f64, rays: &[u32]) -> f64 {
 }
 
 /// E lies between `(1 - lacks) pi e / (1 - a)` and the closed form: [`lacks`] says how the frames bound the error. It falls with
-/// the power `-2 (1 - a)` of their number. At albedo 0.99, to come from what 128 frames lack to 1 % takes `60^50` times as
+/// the power `-2 (1 - a)` of their number. At albedo 0.99, to come from what 96 frames lack to 1 % takes `60^50` times as
 /// many; so what is held there is that surfels lack no more than their estimator does, and gain nothing.
 ///
 /// Both ends are for expectations. Chance adds 5 standard deviations of the mean, of [`Noise`] after the first 32 frames.
@@ -99,7 +98,7 @@ fn surfels_lack_no_more_than_their_estimator_does() {
             let mut renderer = Renderer::new(backend.as_ref(), scene, view, size, &settings(), 1)
                 .expect("prepares");
             let mut rays = Vec::new();
-            for frames in [32, 128] {
+            for frames in [32, 96] {
                 while rays.len() < frames {
                     renderer.frame().expect("renders");
                     let counters = renderer.counters().expect("reads");
@@ -142,8 +141,8 @@ fn white_walls_grow_no_faster_than_their_rays_bring() {
         let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [48, 27], &settings, 1)
             .expect("prepares");
         let mut worst = 0f64;
-        for frame in 1..=48 {
-            let picture = go_on(&mut renderer, 1, name);
+        for frame in (4..=24).step_by(4) {
+            let picture = go_on(&mut renderer, 4, name);
             let most = levels(&picture, "E").into_iter().fold(0.0, f64::max);
             let bound = f64::from(frame * (CONTINUATIONS + 1)) * PI * (1.0 + 64.0 * U);
             assert!(most <= bound, "{name}: frame {frame}: {most} of {bound}");
