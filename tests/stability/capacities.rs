@@ -9,8 +9,8 @@ use gibs::view::View;
 use gibs::{Renderer, builtin};
 use std::f64::consts::PI;
 
-/// 8 slots and 8 entries of cells' lists where thousands are wanted, one surfel to a lookup, one ray, paths of one segment, births at
-/// hits.
+/// 8 slots and 8 entries of cells' lists where thousands are wanted, one surfel to a lookup, one ray, paths of one segment,
+/// births at hits.
 fn starved() -> Settings {
     Settings {
         surfels: 8,
@@ -55,9 +55,9 @@ fn starve(scene: &(Scene, View), settings: &Settings, holds: impl Fn(f64) -> boo
     }
 }
 
-/// What does not fit is counted, and every value stays finite. A furnace bounds E: without emitter sampling every segment of a ray
-/// weighs 1 at most, and there are two; each brings the emission, and of the most that a surfel has the share a. So
-/// `E <= 2 (pi e + a E)`, and at albedo 1/4 that is `4 pi e`.
+/// What does not fit is counted, and every value stays finite. A furnace bounds E: without emitter sampling every segment of a
+/// ray weighs 1 at most, and there are two; each brings the emission, and of the most that a surfel has the share a. So `E <= 2
+/// (pi e + a E)`, and at albedo 1/4 that is `4 pi e`.
 #[test]
 fn all_capacities_exceeded_at_once_are_counted() {
     let most = 4.0 * PI;

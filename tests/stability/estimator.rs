@@ -1,5 +1,5 @@
-//! The estimator over a hundred thousand frames, and depth functions without variance: shared functions alone, which every backend
-//! has to the bit.
+//! The estimator over a hundred thousand frames, and depth functions without variance: shared functions alone, which every
+//! backend has to the bit.
 use super::measure::{U, deviation, mean};
 use gibs::passes::data::SurfelIrradiance;
 use gibs::passes::shared::depth::{CHEBYSHEV_FLOOR, FARTHEST, LEAST_VARIANCE, chebyshev, moments};
@@ -35,9 +35,9 @@ fn means(level: f32, seed: u32, first: u32) -> Vec<f64> {
     means
 }
 
-/// A full mean takes a share `s = 4 / 131 076` of each sample, of deviation `1 / sqrt(3)`: it scatters by
-/// `sqrt(s / (2 - s) / 3) = 0.23 %`, and 5 of those are 1.13 %. It is the sum of as many terms as it remembers, `1 / s`, each off by
-/// half a rounding of the mean: a drift of at most `U / s = 0.20 %`. The bound is both. Over the level it is the same from 1e-12 to
+/// A full mean takes a share `s = 4 / 131 076` of each sample, of deviation `1 / sqrt(3)`: it scatters by `sqrt(s / (2 - s) /
+/// 3) = 0.23 %`, and 5 of those are 1.13 %. It is the sum of as many terms as it remembers, `1 / s`, each off by half a
+/// rounding of the mean: a drift of at most `U / s = 0.20 %`. The bound is both. Over the level it is the same from 1e-12 to
 /// 1e12 W/m^2.
 ///
 /// Of drift: the mean over all frames of 12 runs scatters by what is independent in it, which is one mean in `2 / s = 65 538`
@@ -89,8 +89,8 @@ fn a_constant_is_kept_for_a_hundred_thousand_frames() {
     }
 }
 
-/// Ages are differences of frame numbers modulo 2^32: a life that begins 50 000 frames before the number wraps has every bit of one
-/// that begins at 0.
+/// Ages are differences of frame numbers modulo 2^32: a life that begins 50 000 frames before the number wraps has every bit of
+/// one that begins at 0.
 #[test]
 fn a_life_across_the_wrap_has_the_same_bits() {
     let (here, there) = (means(1.0, 7, 0), means(1.0, 7, u32::MAX - 50_000));
@@ -98,8 +98,8 @@ fn a_life_across_the_wrap_has_the_same_bits() {
     println!("a life across the wrap of the frame number: every bit is the same");
 }
 
-/// Without variance, Chebyshev's bound is that of [`LEAST_VARIANCE`], v: `(v / (v + d^2) - 0.6) / 0.4` cubed, d beyond the mean, and 0
-/// from `d = sqrt(2 v / 3)` on. In `f32`, `d` is off by `2 U` of a diameter and each of some 8 operations by U: the
+/// Without variance, Chebyshev's bound is that of [`LEAST_VARIANCE`], v: `(v / (v + d^2) - 0.6) / 0.4` cubed, d beyond the
+/// mean, and 0 from `d = sqrt(2 v / 3)` on. In `f32`, `d` is off by `2 U` of a diameter and each of some 8 operations by U: the
 /// slope of the cube is at most `3 / 0.4 * 2 d / v <= 1300` there, which makes `1300 * 2 U + 60 U`. Moments that rounding has
 /// made impossible, a square below that of the mean, count as no variance.
 #[test]
@@ -128,8 +128,8 @@ fn chebyshev_without_variance_has_its_closed_form() {
     println!("Chebyshev without variance: off by {worst:.2e} (bound {bound:.2e})");
 }
 
-/// Moments keep half a step of 16 bits, at both ends as well, so that the variance of a texel is right to two steps, 3.1e-5, less than
-/// [`LEAST_VARIANCE`]: no texel of no variance shows one.
+/// Moments keep half a step of 16 bits, at both ends as well, so that the variance of a texel is right to two steps, 3.1e-5,
+/// less than [`LEAST_VARIANCE`]: no texel of no variance shows one.
 #[test]
 fn packed_moments_of_no_variance_have_none() {
     let step = 1.0 / 65_535.0;

@@ -38,8 +38,8 @@ fn on_the_lattice_no_bit_changes() {
 ///
 /// Direct light is held to what roundings of numbers below 32 m leave, as [`assert_same_direct`] derives.
 ///
-/// Indirect light: other roundings decide otherwise about a birth here and there, and what follows is another draw. The bound is
-/// that of two draws, [`Noise`].
+/// Indirect light: other roundings decide otherwise about a birth here and there, and what follows is another draw. The bound
+/// is that of two draws, [`Noise`].
 #[test]
 fn off_the_lattice_what_f32_leaves_is_left() {
     let noise = Noise::of_room();

@@ -1,5 +1,5 @@
-//! Every channel of every picture is finite: `measure::draw` and `measure::go_on` hold all cases to that. Here are the debug views,
-//! whose values are ratios of what may be zero.
+//! Every channel of every picture is finite: `measure::draw` and `measure::go_on` hold all cases to that. Here are the debug
+//! views, whose values are ratios of what may be zero.
 use super::build::{Build, room};
 use super::common::all_backends;
 use super::measure::{go_on, settings};

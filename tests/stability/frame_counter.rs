@@ -16,8 +16,8 @@ fn state<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&exec.read(id).expect("readable"))
 }
 
-/// A run that starts half its frames before the number wraps has the light of one that starts at 0, but for chance, [`Noise`]: other
-/// numbers draw other rays. No surfel's age or time since its mean began is more than the frames that have run.
+/// A run that starts half its frames before the number wraps has the light of one that starts at 0, but for chance, [`Noise`]:
+/// other numbers draw other rays. No surfel's age or time since its mean began is more than the frames that have run.
 #[test]
 fn light_goes_on_past_the_last_frame_number() {
     let noise = Noise::of_room();
@@ -58,7 +58,8 @@ fn light_goes_on_past_the_last_frame_number() {
     }
 }
 
-/// In a furnace of albedo 0 there is no chance: E is `pi e` in every frame around the wrap, within the roundings of `white_walls`.
+/// In a furnace of albedo 0 there is no chance: E is `pi e` in every frame around the wrap, within the roundings of
+/// `white_walls`.
 #[test]
 fn no_frame_around_the_wrap_shows_it() {
     let settings = Settings {

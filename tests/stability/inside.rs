@@ -30,8 +30,8 @@ fn boxed() -> (Scene, View) {
     scene.done()
 }
 
-/// No light gets into a closed box, so that direct light and E are exactly zero inside, where surfels know nothing of the sides that
-/// are lit: a surfel's normal faces who saw it.
+/// No light gets into a closed box, so that direct light and E are exactly zero inside, where surfels know nothing of the sides
+/// that are lit: a surfel's normal faces who saw it.
 #[test]
 fn inside_a_solid_it_is_dark() {
     for backend in all_backends() {
@@ -75,8 +75,8 @@ fn eyes_on_surfaces_see_something_finite() {
 
 const SIZES: [[u32; 2]; 5] = [[1, 1], [1, 7], [7, 1], [37, 23], [3, 129]];
 
-/// At albedo 0 every pixel of a picture of any size has E = `pi e`, within the roundings of `white_walls`, also where a run goes on
-/// from one size to the next. In the room all values are finite, and so are those of the reference.
+/// At albedo 0 every pixel of a picture of any size has E = `pi e`, within the roundings of `white_walls`, also where a run
+/// goes on from one size to the next. In the room all values are finite, and so are those of the reference.
 #[test]
 fn odd_sizes_have_every_pixel_right() {
     const DRAWN: u32 = 16;

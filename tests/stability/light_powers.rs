@@ -1,5 +1,6 @@
-//! Light from 2^-40 to 2^40 of what is usual: a moonless night and the inside of a star. tests/furnace.rs holds the box under sun,
-//! sky and a point light from 2^-20 to 2^20; here is what lies farther out, its lamp, punctual lights, sun and sky apart and together.
+//! Light from 2^-40 to 2^40 of what is usual: a moonless night and the inside of a star. tests/furnace.rs holds the box under
+//! sun, sky and a point light from 2^-20 to 2^20; here is what lies farther out, punctual lights alone, and all lights with
+//! every part of the technique that weighs them.
 use super::build::room;
 use super::common::all_backends;
 use super::measure::{bits, draw, settings};
@@ -9,14 +10,13 @@ use gibs::passes::scene::{Environment, LightKind, Scene, Sun};
 use gibs::view::View;
 use glam::{DVec3, Vec3};
 
-/// The room under its lamp, under a point, a spot and a directional light, under sun and sky, or under all, times `scale`. An eighth of the usual light, because 2^40 of a lamp's 18
-/// W/(m^2 sr) is above what a material may have, 1e13.
-fn lit(kind: &str, scale: f32) -> (Scene, View) {
+/// The room under a point, a spot and a directional light, with `all` also under its lamp, sun and sky; times `scale`. An
+/// eighth of the usual light, because 2^40 of a lamp's 18 W/(m^2 sr) is above what a material may have, 1e13.
+fn lit(all: bool, scale: f32) -> (Scene, View) {
     let (mut scene, mut view) = room();
     let scale = scale / 8.0;
-    let has = |name: &str| kind == name || kind == "all";
     for material in &mut scene.materials {
-        material.emission *= if has("lamp") { scale } else { 0.0 };
+        material.emission *= if all { scale } else { 0.0 };
     }
     let intensity = scene.lights[0].intensity * scale;
     let node = scene.lights[0].node;
@@ -28,27 +28,23 @@ fn lit(kind: &str, scale: f32) -> (Scene, View) {
             intensity,
         });
     };
-    if has("punctual") {
-        let (inner, outer) = (0.3, 0.9);
-        add(LightKind::Point);
-        add(LightKind::Spot { inner, outer });
-        add(LightKind::Directional);
-    }
-    if has("outside") {
+    let (inner, outer) = (0.3, 0.9);
+    add(LightKind::Point);
+    add(LightKind::Spot { inner, outer });
+    add(LightKind::Directional);
+    if all {
         view.sun = Some(Sun {
             direction: DVec3::new(0.2, -0.4, 1.0),
             irradiance: Vec3::new(4.0, 3.0, 2.0) * scale,
         });
-    }
-    if has("outside") {
         view.environment = Environment::Constant(Vec3::new(0.2, 0.3, 0.5) * scale);
     }
     (scene, view)
 }
 
-/// A product with 2^k is exact while it is a normal number. Irradiance is between 2^-24 and 2^4 here, so that with k = -40 its
-/// square, the smallest number that estimators keep, stays above 2^-128 and with k = 40 its square times a million rays below
-/// 2^128. The bound is equality of all bits.
+/// A product with 2^k is exact while it is a normal number, 2^-126 to 2^128. Irradiance that is not zero lies between 2^-23 and
+/// 2^4 here, which the test holds; with k = -40 its square, the smallest number that estimators keep, is at least 2^-126, and
+/// with k = 40 its square times a million rays below 2^128. The bound is equality of all bits.
 #[test]
 fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
     let guided = Settings {
@@ -58,15 +54,14 @@ fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
     };
     for backend in all_backends() {
         let name = backend.name();
-        for (kind, settings) in [
-            ("lamp", settings()),
-            ("punctual", settings()),
-            ("all", guided.clone()),
+        for (kind, all, settings) in [
+            ("punctual", false, settings()),
+            ("all", true, guided.clone()),
         ] {
             let at = |scale: f32| {
                 draw(
                     backend.as_ref(),
-                    &lit(kind, scale),
+                    &lit(all, scale),
                     [48, 27],
                     8,
                     &settings,
@@ -74,6 +69,12 @@ fn light_scales_exactly_from_2_to_the_minus_40_to_2_to_the_40() {
                 )
             };
             let one = at(1.0);
+            let lit = one.rgb("E").expect("E").concat();
+            let range = 2f32.powi(-23)..2f32.powi(4);
+            assert!(
+                lit.iter().all(|e| *e == 0.0 || range.contains(e)),
+                "{name}: {kind}"
+            );
             for power in [-40, 40] {
                 let scale = 2f32.powi(power);
                 let many = at(scale);

@@ -29,8 +29,8 @@ fn direct(picture: &Picture) -> impl Iterator<Item = (DVec3, f64)> {
         .filter_map(|(p, d)| Some((p?, d)))
 }
 
-/// A point light in the plane of a floor gives it nothing, and one in a wall nothing to the wall: the cosine is zero. All else has
-/// `I cos / r^2`.
+/// A point light in the plane of a floor gives it nothing, and one in a wall nothing to the wall: the cosine is zero. All else
+/// has `I cos / r^2`.
 ///
 /// A place is right to `d = 16 U * 8 m`, and a normal to [`PACKED`]; with `|grad(cos / r^2)| <= 4 / r^3` the bound is
 /// `I (4 d / r + PACKED) / r^2`. It holds where the cosine should be zero as well.

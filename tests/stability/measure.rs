@@ -144,7 +144,8 @@ impl Noise {
         *NOISE.get_or_init(|| Self::of(&build::room(), SIZE, FRAMES, &settings()))
     }
 
-    /// Largest relative difference of two means of E that are the same but for chance: five standard deviations of a difference.
+    /// Largest relative difference of two means of E that are the same but for chance: five standard deviations of a
+    /// difference.
     pub fn most(&self) -> f64 {
         5.0 * 2f64.sqrt() * self.of_mean
     }

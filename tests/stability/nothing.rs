@@ -8,8 +8,8 @@ use gibs::passes::frame::Settings;
 use gibs::passes::scene::{Environment, Material, Mesh, Node};
 use glam::Vec3;
 
-/// A scene without anything, with a node that draws nothing, and with a mesh of no triangles shows the sky at every pixel, exactly,
-/// has no surface, and says that there is nothing to draw.
+/// A scene without anything, with a node that draws nothing, and with a mesh of no triangles shows the sky at every pixel,
+/// exactly, has no surface, and says that there is nothing to draw.
 #[test]
 fn an_empty_scene_is_its_sky() {
     let empty = || Build::new("empty", [0.0; 3], [0.0, 0.0, -1.0], 1.0);

@@ -1,4 +1,5 @@
-//! The ends of small number formats: 16-bit albedo, 8-bit textures, guides of 8 bits, and half floats of an engine's image.
+//! The ends of small number formats: 16-bit albedo, 8-bit textures and guides of 8 bits. tests/imported.rs has half floats,
+//! `estimator` depth moments.
 use super::build::Build;
 use super::common::all_backends;
 use super::measure::{U, draw, levels, settings};
@@ -44,8 +45,9 @@ fn packed_albedo_has_exact_ends() {
     assert_eq!((unorm16(1.0), unorm16(0.0)), (65_535, 0));
 }
 
-/// A guide keeps its brightest texel to the step's 8 bits, `1/128`, and half a step, from the smallest normal number on, of which
-/// 255 steps are above nothing, to 1e18, where it stops telling; beyond, and below, it is finite and its shares are in `[0, 1/2]`.
+/// A guide keeps its brightest texel to the step's 8 bits, `1/128`, and half a step, from the smallest normal number on, of
+/// which 255 steps are above nothing, to 1e18, where it stops telling; beyond, and below, it is finite and its shares are in
+/// `[0, 1/2]`.
 #[test]
 fn guides_hold_every_luminance() {
     const IDENTITY: u32 = 5;
@@ -89,9 +91,9 @@ fn guides_hold_every_luminance() {
     }
 }
 
-/// A floor with a texture of all 256 codes, a texel 1/16 m wide, read without filtering under a sun from above. IEC 61966-2-1 gives
-/// each code's albedo, which passes a table of `f32` and 16 bits: half a step and roundings. Radiance is albedo over pi times the
-/// sun, and codes 0 and 255 are 0 and 1 exactly.
+/// A floor with a texture of all 256 codes, a texel 1/16 m wide, read without filtering under a sun from above. IEC 61966-2-1
+/// gives each code's albedo, which passes a table of `f32` and 16 bits: half a step and roundings. Radiance is albedo over pi
+/// times the sun, and codes 0 and 255 are 0 and 1 exactly.
 #[test]
 fn textures_are_exact_at_both_ends() {
     let mut scene = Build::new("codes", [0.0, 1.0, 0.0], [0.0; 3], 2.0 * 0.5f64.atan());

@@ -72,7 +72,7 @@ fn of_wall(picture: &Picture) -> Vec<f64> {
 
 fn holds(case: &str, make: fn() -> (Scene, View), want: f64, model: f64) {
     let drawn =
-        |backend: &dyn Backend, seed| draw(backend, &make(), [48, 48], 32, &settings(), seed);
+        |backend: &dyn Backend, seed| draw(backend, &make(), [48, 48], 64, &settings(), seed);
     let means: Vec<f64> = (10..16)
         .map(|seed| mean(&of_wall(&drawn(cpu().as_ref(), seed))))
         .collect();
@@ -120,8 +120,8 @@ fn a_point_of_a_million_candela_has_its_energy() {
 }
 
 /// A cube's face sends `pi L s^2`, and all six what the walls receive first: `6 pi I / (1 - a) / A` on average over the walls,
-/// direct light of emitters being part of E. The lamp is black; of what the walls send it takes `6 s^2` in 24, which is 0.0025 %.
-/// The bound as for the point.
+/// direct light of emitters being part of E. The lamp is black; of what the walls send it takes `6 s^2` in 24, which is 0.0025
+/// %. The bound as for the point.
 #[test]
 fn a_lamp_of_a_centimetre_has_its_energy() {
     let want = 6.0 * PI * f64::from(INTENSITY) / (1.0 - ALBEDO) / AREA;

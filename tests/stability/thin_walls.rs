@@ -1,5 +1,5 @@
-//! Walls of a millimetre in a building of ten metres. tests/leaks.rs holds six such buildings on the processor; here the wall is
-//! lit from as near as 5 mm, on every backend.
+//! Walls of a millimetre in a building of ten metres. tests/leaks.rs holds six such buildings on the processor; here the wall
+//! is lit from as near as 5 mm, on every backend.
 use super::common::all_backends;
 use super::measure::{U, go_on, levels, mean, settings};
 use super::pictures;
@@ -30,9 +30,9 @@ fn rooms() -> (Scene, View, View) {
     (scene, bright, dark)
 }
 
-/// Rays start off a surface by 2^-19 of the largest coordinate, here below 16 m: by 0.03 mm at most, a thirtieth of the wall, and
-/// coordinates are right to 16 roundings, 0.015 mm. No ray can begin on the other side, so that in the dark room direct light
-/// and every path of the reference are exactly zero.
+/// Rays start off a surface by 2^-19 of the largest coordinate, here below 16 m: by 0.03 mm at most, a thirtieth of the wall,
+/// and coordinates are right to 16 roundings, 0.015 mm. No ray can begin on the other side, so that in the dark room direct
+/// light and every path of the reference are exactly zero.
 ///
 /// What surfels show there has leaked through lookups alone, which depth functions let through by their 16 bits and their
 /// 4 x 4 texels. That has no closed form; it is held to what the leak tests ask, 0.1 % of the bright room's mean on average and

@@ -26,8 +26,8 @@ fn doubled(chosen: impl Fn(bool) -> bool) -> (Scene, View) {
 }
 
 /// Of two triangles at one distance the first is hit, and it says the same. Which of the two is found at equal distances may
-/// depend on rounding: the twins' corners come in another order, so that their distances differ by roundings. The light is that of
-/// the single triangles but for chance, [`Noise`].
+/// depend on rounding: the twins' corners come in another order, so that their distances differ by roundings. The light is that
+/// of the single triangles but for chance, [`Noise`].
 #[test]
 fn walls_that_are_there_twice_are_walls() {
     let noise = Noise::of_room();
@@ -68,8 +68,8 @@ fn lamps_that_are_there_twice_shine_once() {
     }
 }
 
-/// The furnace, each triangle cut in three by two points of an edge that are 2e-6 of it apart: the middle one is a sliver of aspect
-/// 1e6 from there to the opposite corner. All points are in the planes of the walls.
+/// The furnace, each triangle cut in three by two points of an edge that are 2e-6 of it apart: the middle one is a sliver of
+/// aspect 1e6 from there to the opposite corner. All points are in the planes of the walls.
 fn slivered(albedo: f32) -> (Scene, View) {
     let (mut scene, view) = builtin::furnace(albedo, 1.0);
     let mesh = &mut scene.meshes[0];

@@ -1,5 +1,5 @@
-//! Closed boxes of high albedo, where light that is lost or gained at a bounce comes back a hundred times over. tests/furnace.rs
-//! has albedos up to 0.8, tests/long_run.rs ten thousand frames at 0.95.
+//! Closed boxes of high albedo, where light that is lost or gained at a bounce comes back a hundred times over.
+//! tests/furnace.rs has albedos up to 0.8, tests/long_run.rs ten thousand frames at 0.95.
 use super::common::{self, all_backends};
 use super::measure::{Noise, U, assert_finite, go_on, levels, mean};
 use super::pictures;
@@ -15,15 +15,15 @@ const CONTINUATIONS: u32 = 16;
 
 fn settings() -> Settings {
     Settings {
-        surfels: 1024,
-        rays: 4096,
+        surfels: 2048,
+        rays: 8192,
         continuations: CONTINUATIONS,
         ..Settings::default()
     }
 }
 
-/// Every point receives `pi e / (1 - a)`. A path goes on with the probability a, up to 0.99, and without emitter sampling brings
-/// as much as it has segments: `1 / (1 - a)` on average, with the standard deviation `sqrt(a) / (1 - a)` of a geometric
+/// Every point receives `pi e / (1 - a)`. A path goes on with the probability a, up to 0.99, and without emitter sampling
+/// brings as much as it has segments: `1 / (1 - a)` on average, with the standard deviation `sqrt(a) / (1 - a)` of a geometric
 /// distribution. Over n paths that is a relative standard error of `sqrt(a / n)`; the bound is 5 of those.
 #[test]
 fn the_reference_reaches_albedo_0_99() {
@@ -80,8 +80,8 @@ fn lacks(albedo: f64, rays: &[u32]) -> f64 {
     lacking
 }
 
-/// E lies between `(1 - lacks) pi e / (1 - a)` and the closed form: [`lacks`] says how the frames bound the error. It falls with
-/// the power `-2 (1 - a)` of their number. At albedo 0.99, to come from what 96 frames lack to 1 % takes `60^50` times as
+/// E lies between `(1 - lacks) pi e / (1 - a)` and the closed form: [`lacks`] says how the frames bound the error. It falls
+/// with the power `-2 (1 - a)` of their number. At albedo 0.99, to come from what 64 frames lack to 1 % takes `60^50` times as
 /// many; so what is held there is that surfels lack no more than their estimator does, and gain nothing.
 ///
 /// Both ends are for expectations. Chance adds 5 standard deviations of the mean, of [`Noise`] after the first 32 frames.
@@ -98,7 +98,7 @@ fn surfels_lack_no_more_than_their_estimator_does() {
             let mut renderer = Renderer::new(backend.as_ref(), scene, view, size, &settings(), 1)
                 .expect("prepares");
             let mut rays = Vec::new();
-            for frames in [32, 96] {
+            for frames in [32, 64] {
                 while rays.len() < frames {
                     renderer.frame().expect("renders");
                     let counters = renderer.counters().expect("reads");
@@ -126,9 +126,9 @@ fn surfels_lack_no_more_than_their_estimator_does() {
 }
 
 /// At albedo 1 light never ends and there is no closed form; what a frame can add is bounded: a ray has at most 17 segments,
-/// each of which adds the emission, and ends at a surfel of the frame before. So no surfel has more than
-/// `frames * 17 * pi e`, and what it has grows from frame to frame by no more than that. Without emitter sampling every ray weighs 1,
-/// within the rounding of each of the segments' products.
+/// each of which adds the emission, and ends at a surfel of the frame before. So no surfel has more than `frames * 17 * pi e`,
+/// and what it has grows from frame to frame by no more than that. Without emitter sampling every ray weighs 1, within the
+/// rounding of each of the segments' products.
 #[test]
 fn white_walls_grow_no_faster_than_their_rays_bring() {
     let settings = Settings {
