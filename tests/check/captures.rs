@@ -6,7 +6,7 @@ use gibs::check::{
     Capture, CaptureError, Case, CheckOptions, Participant, Way, bisect, check, reduce, replay,
     surfels, verify,
 };
-use gibs::graph::{Backend, bytemuck};
+use gibs::graph::bytemuck;
 use gibs::passes::data::SurfelIrradiance;
 use gibs::passes::frame::Settings;
 use gibs::passes::stages;
