@@ -302,7 +302,10 @@ fn open(args: &Args) -> Result<Opened, CommandError> {
     Ok(opened)
 }
 
-fn load(args: &Args) -> Result<Vec<(String, (Scene, View))>, CommandError> {
+/// A scene by the name that it was asked for.
+type Named = (String, (Scene, View));
+
+fn load(args: &Args) -> Result<Vec<Named>, CommandError> {
     let mut scenes = Vec::new();
     if args.scenes.is_empty() {
         for (name, _) in builtin::names() {
