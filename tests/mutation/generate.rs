@@ -463,7 +463,7 @@ fn alternatives(function: &Function, expression: &Expression) -> Vec<(String, Ex
 
 fn literals(literal: Literal) -> Vec<(String, Literal)> {
     let other = match literal {
-        Literal::F32(x) if x == 0.0 => Literal::F32(1.0),
+        Literal::F32(0.0) => Literal::F32(1.0),
         Literal::F32(x) => Literal::F32(-x),
         Literal::U32(x) => Literal::U32(x.wrapping_add(1)),
         Literal::I32(x) => Literal::I32(x.wrapping_add(1)),
