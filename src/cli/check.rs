@@ -120,7 +120,11 @@ impl Way {
                 };
                 Ok(Box::new(gibs_backend_wgpu::WgpuBackend::new(options)?))
             }
-            Way::Wgpu => backends::open(Choice::Wgpu),
+            Way::Wgpu => {
+                // Without the backend, what it would be given does not matter.
+                let _ = same_spirv;
+                backends::open(Choice::Wgpu)
+            }
         }
     }
 }
