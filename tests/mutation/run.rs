@@ -48,9 +48,6 @@ fn plan() -> Plan {
     }
 }
 
-/// Scenes that have everything between them.
-pub const SCENES: [&str; 5] = ["atrium", "cornell", "glass", "moving", "many-lights"];
-
 /// Every kernel that the cases of some scenes run, in the order of names, with captures by the oracle.
 pub fn targets(
     oracle: &dyn Backend,
