@@ -12,11 +12,11 @@ use generate::Kernel;
 use run::{Fate, sample, targets};
 use twins::Twins;
 
-/// Mutants of the sample, over all kernels that two scenes run.
+/// Mutants of the sample, over all kernels that two scenes run; with at least two of each kernel, about 150.
 const SAMPLE: usize = 60;
 
 /// Unchanged kernels agree in the form that mutants have, and the checks find as many mutants as in the long run, but for what a
-/// sample of this size varies by: of 92 % (docs/checking.md), three standard deviations of 60 draws are 11 %. The aim, 95 %, is
+/// sample of this size varies by: of 92 % (docs/checking.md), three standard deviations of 150 draws are 7 %. The aim, 95 %, is
 /// judged by the long run.
 #[test]
 fn mutants_are_caught() {
@@ -45,7 +45,7 @@ fn mutants_are_caught() {
     let all = caught + survived;
     println!("{caught} of {all} caught");
     assert!(all > SAMPLE / 2, "most changes give a valid kernel");
-    assert!(caught * 100 >= all * 81, "{survived} of {all} survived");
+    assert!(caught * 100 >= all * 85, "{survived} of {all} survived");
     for target in targets.iter().step_by(7) {
         let original = target.kernel.original().expect("a valid kernel");
         let same = target.differs(&original, device.as_ref());
