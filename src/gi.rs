@@ -210,7 +210,8 @@ impl Gi {
         &self.parts.lit.device
     }
 
-    /// Frames begun so far, or since [`Gi::reset`], wrapping.
+    /// Number of the next frame: the frames begun so far, or since [`Gi::reset`], wrapping; after [`Gi::start_at`], on top of
+    /// the number given there.
     pub fn frames(&self) -> u32 {
         self.frame
     }

@@ -302,6 +302,14 @@ impl Renderer {
         self.gi.reset(self.exec.as_mut())
     }
 
+    /// As [`Gi::start_at`].
+    ///
+    /// # Errors
+    /// [`RenderError::Backend`].
+    pub fn start_at(&mut self, number: u32) -> Result<(), RenderError> {
+        self.gi.start_at(self.exec.as_mut(), number)
+    }
+
     /// Waits for all frames.
     ///
     /// # Errors

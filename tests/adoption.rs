@@ -628,6 +628,9 @@ impl Executable for Refusing {
     fn run(&mut self) -> Result<(), BackendError> {
         self.0.run()
     }
+    fn rotate(&mut self) -> Result<(), BackendError> {
+        self.0.rotate()
+    }
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
         self.0.run_step(step)
     }

@@ -24,3 +24,10 @@ fn vector_normalize(v: vec3<f32>) -> vec3<f32> {
 fn vector_max_element(v: vec3<f32>) -> f32 {
     return max(max(v.x, v.y), v.z);
 }
+
+/// A vector times the power of two that brings its largest component to between 1 and 2: its direction to the same digits, of a
+/// length whose square is a number.
+fn vector_leveled(v: vec3<f32>) -> vec3<f32> {
+    let exponent = min(bitcast<u32>(vector_max_element(abs(v))) >> 23u, 253u);
+    return v * bitcast<f32>((254u - exponent) << 23u);
+}

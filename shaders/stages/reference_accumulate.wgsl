@@ -23,8 +23,9 @@ import package::vector::{vector_dot, vector_max_element};
 
 const PI: f32 = 3.1415927;
 const FRAC_1_PI: f32 = 0.31830987;
-/// Largest probability of going on: bounds the length of paths between white walls.
-const MOST_SURVIVAL: f32 = 0.98;
+/// Largest probability of going on: bounds the length of paths between white walls. In a closed room, a path that goes on less
+/// often than light does counts more with each segment, and beyond an albedo of the root of this its variance has no bound.
+const MOST_SURVIVAL: f32 = 0.99;
 
 // What the segment met.
 struct Met {

@@ -6,7 +6,7 @@ import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::surface::{SURFACE_EMITTER, SURFACE_OFFSET, surface_miss, surface_pack_albedo};
 import package::texture::{TEXTURE_DOUBLE_SIDED, texture_base_color, texture_emission, texture_is_sampled_emitter, texture_uv_at};
 import package::types::{Corners, DispatchArgs, Hit, Instance, Material, NONE, Ray, SurfacePoint, Triangle};
-import package::vector::{vector_cross, vector_dot, vector_normalize};
+import package::vector::{vector_cross, vector_dot, vector_leveled, vector_normalize};
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
 @group(0) @binding(1) var<storage, read> rays: array<Ray>;
@@ -37,7 +37,8 @@ fn resolve(direction: vec3<f32>, hit: Hit) -> SurfacePoint {
     let reach = abs(triangle.v0) + abs(triangle.e1) + abs(triangle.e2);
     point.offset = magnitude(to_world, reach) * SURFACE_OFFSET;
     // The counter-clockwise side; a mirroring map turns the winding, not the side.
-    let face = vector_normalize(affine_map_transposed(to_object, vector_cross(triangle.e1, triangle.e2)));
+    let area = vector_leveled(vector_cross(triangle.e1, triangle.e2));
+    let face = vector_normalize(vector_leveled(affine_map_transposed(to_object, area)));
     let front = vector_dot(face, direction) < 0.0;
     let side = select(-1.0, 1.0, front);
     var normal = face;

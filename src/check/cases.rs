@@ -10,7 +10,7 @@ use gibs_passes::frame::{
     DebugView, ProbeFrame, ReferenceUpdate, SceneSizes, Screen, Settings, probe_frame,
     reference_frame, upload_probe_frame, upload_probes, upload_reference, upload_scene,
 };
-use gibs_passes::scene::{Camera, Environment, Scene};
+use gibs_passes::scene::{Camera, Environment, LightKind, Scene};
 use gibs_passes::shared::{batch, octahedral, surface};
 use glam::{UVec4, Vec3, Vec4};
 use std::sync::Arc;
@@ -28,8 +28,8 @@ pub struct Plan {
     pub surfels: u32,
     /// Rays of a frame.
     pub rays: u32,
-    /// Also the frames that only some programs run: everything that is off by default, an engine's G-buffer, the debug
-    /// views, the reference. Otherwise those of the first scene alone.
+    /// Also the frames that only some programs run: everything that is off by default, an engine's G-buffer, the
+    /// reference. Otherwise those of the first scene alone.
     pub all: bool,
 }
 
@@ -68,6 +68,7 @@ pub fn cases(
         if !plan.all && i > 0 {
             continue;
         }
+        let spotted = &with_spots(scene);
         let everything = Settings {
             clamp: true,
             guiding: true,
@@ -76,7 +77,7 @@ pub fn cases(
             half_resolution: !usual.half_resolution,
             check_slots: true,
             queries: 64,
-            debug: Some(DebugView::RayCount),
+            debug: Some(DebugView::ALL[(2 * i) % DebugView::ALL.len()]),
             // More lists than there is room for, and fewer surfels than are wanted.
             grid_lists: 2,
             surfels: plan.surfels / 2,
@@ -84,27 +85,39 @@ pub fn cases(
         };
         cases.push(surfels(
             &format!("{name}, everything"),
-            scene,
+            spotted,
             plan.size,
             plan.frames.clone(),
             &everything,
         )?);
-        let grid = Settings {
-            debug: Some(DebugView::CellHeat),
+        // Each view takes another way through the same stages; one scene is enough for that.
+        let views = DebugView::ALL.iter().filter(|_| i == 0);
+        for &view in views {
+            let drawn = Settings {
+                debug: Some(view),
+                depth: true,
+                guiding: view == DebugView::Guide,
+                ..usual.clone()
+            };
+            let name = format!("{name}, debug view {view}");
+            // Some surfels are there by then, and the lights have changed.
+            let few = if plan.frames.len() > 4 {
+                2..4
+            } else {
+                0..plan.frames.len()
+            };
+            let frames = plan.frames[few].to_vec();
+            cases.push(surfels(&name, scene, plan.size, frames, &drawn)?);
+        }
+        let unsteered = Settings {
+            steering: false,
             ..usual.clone()
         };
-        cases.push(surfels(
-            &format!("{name}, debug view"),
-            scene,
-            plan.size,
-            plan.frames.clone(),
-            &grid,
-        )?);
         cases.push(imported(
             &format!("{name}, imported"),
             scene,
             plan,
-            &usual,
+            &unsteered,
             oracle,
         )?);
         cases.push(reference(&format!("{name}, reference"), scene, plan)?);
@@ -119,6 +132,18 @@ fn settings(plan: &Plan) -> Settings {
         rays: plan.rays,
         ..Settings::default()
     }
+}
+
+/// The same with every other light a spot, which no built-in scene has.
+fn with_spots((scene, view): &(Scene, View)) -> (Scene, View) {
+    let mut scene = scene.clone();
+    for light in scene.lights.iter_mut().step_by(2) {
+        light.kind = LightKind::Spot {
+            inner: 0.3,
+            outer: 1.2,
+        };
+    }
+    (scene, view.clone())
 }
 
 /// What a feed reports of an error that is not the backend's.

@@ -133,13 +133,32 @@ fn table(page: &mut String, case: &CaseReport) {
         case.frames
     );
     for step in &case.steps {
-        for port in &step.ports {
-            for pair in &port.pairs {
-                row(page, step, port, pair);
+        match worst(step) {
+            Verdict::Equal => equal_row(page, step),
+            _ => {
+                for port in &step.ports {
+                    port.pairs
+                        .iter()
+                        .for_each(|pair| row(page, step, port, pair));
+                }
             }
         }
     }
     *page += "</table></details>";
+}
+
+/// All pairs at all ports of a step in one row, where nothing differs.
+fn equal_row(page: &mut String, step: &StepReport) {
+    let ports: Vec<_> = step.ports.iter().map(|port| escaped(&port.port)).collect();
+    let pairs = step.ports.iter().flat_map(|port| &port.pairs);
+    let _ = write!(
+        page,
+        "<tr><td><code>{}</code><td><code>{}</code><td>all pairs<td>{}<td class=n>{}</tr>",
+        escaped(&step.label),
+        ports.join(", "),
+        badge(Verdict::Equal),
+        pairs.map(|pair| pair.elements).sum::<u64>()
+    );
 }
 
 fn row(page: &mut String, step: &StepReport, port: &PortReport, pair: &PairReport) {

@@ -120,7 +120,11 @@ impl Way {
                 };
                 Ok(Box::new(gibs_backend_wgpu::WgpuBackend::new(options)?))
             }
-            Way::Wgpu => backends::open(Choice::Wgpu),
+            Way::Wgpu => {
+                // Without the backend, what it would be given does not matter.
+                let _ = same_spirv;
+                backends::open(Choice::Wgpu)
+            }
         }
     }
 }
@@ -154,7 +158,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if let Some(folder) = &args.report {
         prepare_folder(folder, "report.html")?;
     }
-    let (backends, not_run) = open(args)?;
+    let Opened {
+        backends,
+        not_run,
+        same_spirv,
+    } = open(args)?;
     let participants: Vec<Participant<'_>> = backends
         .iter()
         .map(|(name, backend)| Participant::named(name, backend.as_ref()))
@@ -164,7 +172,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         captures: 16,
         ..CheckOptions::default()
     };
-    if args.same_spirv {
+    if same_spirv {
         options.exact.push(("vulkan".into(), "wgpu".into()));
     }
     let scenes = load(args)?;
@@ -208,7 +216,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     };
     let json = serde_json::to_string_pretty(&summary).unwrap_or_default();
     if let Some(folder) = &args.report {
-        super::output::write_text(&folder.join("report.json"), &json)?;
+        let compact = serde_json::to_string(&summary).unwrap_or_default();
+        super::output::write_text(&folder.join("report.json"), &compact)?;
         super::output::write_text(
             &folder.join("report.html"),
             &html(&checked.report, &checked.captures),
@@ -244,40 +253,63 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
 }
 
-/// The participants. One that was named has to be there; of those that nobody named, the others are left out.
-type Opened = (Vec<(&'static str, Box<dyn Backend>)>, Vec<NotRun>);
+/// The participants, and what could not be had.
+struct Opened {
+    backends: Vec<(&'static str, Box<dyn Backend>)>,
+    not_run: Vec<NotRun>,
+    /// wgpu runs the SPIR-V that Vulkan gets.
+    same_spirv: bool,
+}
 
+/// Opens the participants. One that was named has to be there; of those that nobody named, the others are left out.
 fn open(args: &Args) -> Result<Opened, CommandError> {
     let usual = [Way::Scalar, Way::Cpu, Way::Vulkan, Way::Wgpu];
     let asked = match args.backends.is_empty() {
         true => &usual[..],
         false => &args.backends,
     };
-    let mut opened = Vec::new();
-    let mut not_run = Vec::new();
-    for way in asked {
-        match way.open(args.same_spirv) {
-            Ok(backend) => opened.push((way.name(), backend)),
+    let mut opened = Opened {
+        backends: Vec::new(),
+        not_run: Vec::new(),
+        same_spirv: args.same_spirv,
+    };
+    let missing = |name: &str, error: BackendError| NotRun {
+        name: name.into(),
+        reason: error.to_string(),
+    };
+    for &way in asked {
+        let mut found = way.open(args.same_spirv);
+        if let (Way::Wgpu, true, Err(_)) = (way, args.same_spirv, &found) {
+            // Without that, it can still be compared as it usually runs.
+            let plain = way.open(false);
+            if let (Ok(_), Err(error)) = (&plain, found) {
+                let name = "wgpu with the SPIR-V of vulkan";
+                opened.not_run.push(missing(name, error));
+                opened.same_spirv = false;
+            }
+            found = plain;
+        }
+        match found {
+            Ok(backend) => opened.backends.push((way.name(), backend)),
             Err(error) if !args.backends.is_empty() => return Err(error.into()),
-            Err(error) => not_run.push(NotRun {
-                name: way.name().into(),
-                reason: error.to_string(),
-            }),
+            Err(error) => opened.not_run.push(missing(way.name(), error)),
         }
     }
-    if args.same_spirv {
-        let has = |name| opened.iter().any(|(known, _)| *known == name);
-        if !has("vulkan") || !has("wgpu") {
-            not_run.push(NotRun {
-                name: "the same SPIR-V".into(),
-                reason: "it takes both vulkan and wgpu".into(),
-            });
-        }
+    let has = |name| opened.backends.iter().any(|(known, _)| *known == name);
+    if opened.same_spirv && !(has("vulkan") && has("wgpu")) {
+        opened.same_spirv = false;
+        opened.not_run.push(NotRun {
+            name: "wgpu with the SPIR-V of vulkan".into(),
+            reason: "it takes both of them".into(),
+        });
     }
-    Ok((opened, not_run))
+    Ok(opened)
 }
 
-fn load(args: &Args) -> Result<Vec<(String, (Scene, View))>, CommandError> {
+/// A scene by the name that it was asked for.
+type Named = (String, (Scene, View));
+
+fn load(args: &Args) -> Result<Vec<Named>, CommandError> {
     let mut scenes = Vec::new();
     if args.scenes.is_empty() {
         for (name, _) in builtin::names() {

@@ -189,9 +189,19 @@ impl Gi {
     /// # Errors
     /// [`RenderError::Executable`], [`RenderError::Backend`].
     pub fn reset(&mut self, exec: &mut dyn Executable) -> Result<(), RenderError> {
+        self.start_at(exec, 0)
+    }
+
+    /// As [`Gi::reset`], but the next frame has this number. The number names the frame's random choices and dates what is
+    /// born in it; after `u32::MAX` comes 0. So a run can draw other numbers than one before it under the same seed, and a test
+    /// can see the count wrap without four billion frames.
+    ///
+    /// # Errors
+    /// As [`Gi::reset`].
+    pub fn start_at(&mut self, exec: &mut dyn Executable, number: u32) -> Result<(), RenderError> {
         self.check(exec)?;
         exec.reset()?;
-        self.frame = 0;
+        self.frame = number;
         self.begun = false;
         Ok(())
     }

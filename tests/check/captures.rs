@@ -6,7 +6,7 @@ use gibs::check::{
     Capture, CaptureError, Case, CheckOptions, Participant, Way, bisect, check, reduce, replay,
     surfels, verify,
 };
-use gibs::graph::{Backend, bytemuck};
+use gibs::graph::bytemuck;
 use gibs::passes::data::SurfelIrradiance;
 use gibs::passes::frame::Settings;
 use gibs::passes::stages;
@@ -42,7 +42,7 @@ fn sabotaged(stage: &'static str, port: &'static str, from: u32, damage: Damage)
 }
 
 /// Changes the first number that is not zero.
-fn first(bytes: &mut Vec<u8>) {
+fn first(bytes: &mut [u8]) {
     let lit = bytes
         .chunks_exact(4)
         .position(|word| word != [0; 4] && word[3] != 0x7f);
@@ -168,7 +168,7 @@ fn sabotaged_always() -> Sabotaged {
 }
 
 /// Damages surfels that have drawn many rays, as a bug that takes time to show would.
-fn late(bytes: &mut Vec<u8>) {
+fn late(bytes: &mut [u8]) {
     for surfel in bytes.chunks_exact_mut(size_of::<SurfelIrradiance>()) {
         let mut state: SurfelIrradiance = bytemuck::pod_read_unaligned(surfel);
         if state.drawn > LATE {

@@ -5,7 +5,7 @@ use gibs::graph::{
 use std::sync::Arc;
 
 /// What is done to the bytes that a step has written.
-pub type Damage = fn(&mut Vec<u8>);
+pub type Damage = fn(&mut [u8]);
 
 /// A backend that damages what one step writes, from one frame on.
 pub struct Sabotaged {

@@ -27,7 +27,7 @@ const COUNT: u64 = 4000;
 
 /// Runs the stage on numbers of which `close` are a rounding away from both decision and cancellation, against a backend
 /// that has damaged one port.
-fn judged(close: usize, port: &'static str, damage: fn(&mut Vec<u8>)) -> (Verdict, u64, u64) {
+fn judged(close: usize, port: &'static str, damage: fn(&mut [u8])) -> (Verdict, u64, u64) {
     let mut g = Graph::new("judge");
     let numbers = g.input::<f32>("numbers", COUNT);
     let above = g.transient::<u32>("above", COUNT);
@@ -92,7 +92,7 @@ fn judged(close: usize, port: &'static str, damage: fn(&mut Vec<u8>)) -> (Verdic
 /// A rounding of the input decides otherwise, so the backend that did is not wrong.
 #[test]
 fn a_decision_at_its_threshold_is_undecided() {
-    let flip: fn(&mut Vec<u8>) = |bytes| bytes[..4].copy_from_slice(&1_u32.to_ne_bytes());
+    let flip: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&1_u32.to_ne_bytes());
     assert_eq!(judged(1, "above", flip), (Verdict::Undecided, 1, 0));
     // Far from the threshold, it is.
     assert_eq!(
@@ -105,14 +105,14 @@ fn a_decision_at_its_threshold_is_undecided() {
 #[test]
 fn many_undecided_elements_are_a_difference() {
     assert_eq!(undecided_cap(COUNT), 4);
-    let flip: fn(&mut Vec<u8>) = |bytes| {
+    let flip: fn(&mut [u8]) = |bytes| {
         for word in bytes.chunks_exact_mut(4).take(5) {
             word.copy_from_slice(&1_u32.to_ne_bytes());
         }
     };
     let (verdict, ..) = judged(5, "above", flip);
     assert_eq!(verdict, Verdict::Differs);
-    let flip: fn(&mut Vec<u8>) = |bytes| {
+    let flip: fn(&mut [u8]) = |bytes| {
         for word in bytes.chunks_exact_mut(4).take(4) {
             word.copy_from_slice(&1_u32.to_ne_bytes());
         }
@@ -123,10 +123,10 @@ fn many_undecided_elements_are_a_difference() {
 /// `x * x - 1` at 1 moves by two ULP of 1 per ULP of `x`; more than a few of those is no rounding.
 #[test]
 fn a_cancellation_is_excused_as_far_as_it_goes() {
-    let near: fn(&mut Vec<u8>) =
+    let near: fn(&mut [u8]) =
         |bytes| bytes[..4].copy_from_slice(&(3.0 * f32::EPSILON).to_ne_bytes());
     assert_eq!(judged(1, "left", near), (Verdict::Undecided, 1, 0));
-    let far: fn(&mut Vec<u8>) =
+    let far: fn(&mut [u8]) =
         |bytes| bytes[..4].copy_from_slice(&(100.0 * f32::EPSILON).to_ne_bytes());
     assert_eq!(judged(1, "left", far), (Verdict::Differs, 0, 1));
 }
@@ -134,7 +134,7 @@ fn a_cancellation_is_excused_as_far_as_it_goes() {
 /// A value that is not there has no rounding that would explain it.
 #[test]
 fn what_is_missing_is_never_undecided() {
-    let nan: fn(&mut Vec<u8>) = |bytes| bytes[..4].copy_from_slice(&f32::NAN.to_ne_bytes());
+    let nan: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&f32::NAN.to_ne_bytes());
     let (verdict, ..) = judged(1, "left", nan);
     assert_eq!(verdict, Verdict::Differs);
 }

@@ -160,6 +160,12 @@ impl Kernel {
 
     fn find(&self) -> Vec<Described> {
         let mut changes = Vec::new();
+        let mut counts = false;
+        for place in self.places() {
+            visit(&self.function(place).body, &mut |statement| {
+                counts |= matches!(statement, Statement::Atomic { .. });
+            });
+        }
         let mut constants = BTreeSet::new();
         for place in self.places() {
             let function = self.function(place);
@@ -174,6 +180,9 @@ impl Kernel {
                 }
                 let line = self.line(function.expressions.get_span(handle));
                 for (what, new) in alternatives(function, expression) {
+                    if self.is_equivalent(function, expression, &new) {
+                        continue;
+                    }
                     let change = Change::Expression(place, handle, new);
                     changes.push(Described {
                         what: format!("{name}: {what}: {line}"),
@@ -193,6 +202,9 @@ impl Kernel {
                     });
                 };
                 match statement {
+                    // What `&&` and `||` are lowered to writes this into a variable that is false already.
+                    Statement::Store { pointer, value } if is_false(function, *pointer, *value) => {
+                    }
                     Statement::Store { .. } | Statement::ImageStore { .. } => {
                         add("no store", Change::Drop(place, index));
                     }
@@ -203,6 +215,8 @@ impl Kernel {
                     Statement::Call { result: None, .. } => {
                         add("no call", Change::Drop(place, index));
                     }
+                    // A thread beyond the end does what the last one does, unless it counts.
+                    Statement::Return { value: None } if place == Place::Main && !counts => {}
                     Statement::Return { value: None } if index > 0 => {
                         add("no return", Change::Drop(place, index));
                     }
@@ -229,6 +243,28 @@ impl Kernel {
         changes
     }
 
+    /// Changes that change nothing, since what is beyond the end of a buffer is its last element: the bound of a guard
+    /// against the length, and the index into a buffer of which only the first element is used.
+    fn is_equivalent(&self, function: &Function, old: &Expression, new: &Expression) -> bool {
+        match (old, new) {
+            (
+                Expression::Binary { right, .. },
+                Expression::Binary {
+                    op: BinaryOperator::Greater | BinaryOperator::LessEqual,
+                    ..
+                },
+            ) => matches!(function.expressions[*right], Expression::ArrayLength(_)),
+            (Expression::AccessIndex { base, index: 0 }, Expression::AccessIndex { .. }) => {
+                let Expression::GlobalVariable(global) = function.expressions[*base] else {
+                    return false;
+                };
+                let ty = self.module.global_variables[global].ty;
+                matches!(self.module.types[ty].inner, TypeInner::Array { .. })
+            }
+            _ => false,
+        }
+    }
+
     /// The line of the source that something is from.
     fn line(&self, span: Span) -> String {
         let Some(range) = span.to_range() else {
@@ -248,6 +284,19 @@ fn function(module: &mut Module, place: Place) -> &mut Function {
         Place::Main => &mut module.entry_points[0].function,
         Place::Function(handle) => module.functions.get_mut(handle),
     }
+}
+
+/// A store of `false` into a variable that has no value yet.
+fn is_false(function: &Function, pointer: Handle<Expression>, value: Handle<Expression>) -> bool {
+    let Expression::LocalVariable(variable) = function.expressions[pointer] else {
+        return false;
+    };
+    let has_name = function.local_variables[variable].name.is_some();
+    let stores_false = matches!(
+        function.expressions[value],
+        Expression::Literal(Literal::Bool(false))
+    );
+    !has_name && stores_false
 }
 
 /// Expressions that something refers to.
@@ -414,7 +463,7 @@ fn alternatives(function: &Function, expression: &Expression) -> Vec<(String, Ex
 
 fn literals(literal: Literal) -> Vec<(String, Literal)> {
     let other = match literal {
-        Literal::F32(x) if x == 0.0 => Literal::F32(1.0),
+        Literal::F32(0.0) => Literal::F32(1.0),
         Literal::F32(x) => Literal::F32(-x),
         Literal::U32(x) => Literal::U32(x.wrapping_add(1)),
         Literal::I32(x) => Literal::I32(x.wrapping_add(1)),

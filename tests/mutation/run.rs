@@ -43,15 +43,19 @@ fn plan() -> Plan {
         size: [45, 27],
         surfels: 1000,
         rays: 1011,
+        all: true,
         ..Plan::default()
     }
 }
 
-/// Every kernel that the cases run, in the order of names, with captures by the oracle.
-pub fn targets(oracle: &dyn Backend) -> Result<Vec<Target>, Box<dyn std::error::Error>> {
-    let scenes: Vec<_> = ["atrium", "cornell", "glass", "moving", "many-lights"]
-        .into_iter()
-        .filter_map(|name| Some((name, builtin::by_name(name)?)))
+/// Every kernel that the cases of some scenes run, in the order of names, with captures by the oracle.
+pub fn targets(
+    oracle: &dyn Backend,
+    scenes: &[&str],
+) -> Result<Vec<Target>, Box<dyn std::error::Error>> {
+    let scenes: Vec<_> = scenes
+        .iter()
+        .filter_map(|name| Some((*name, builtin::by_name(name)?)))
         .collect();
     let scenes: Vec<_> = scenes.iter().map(|(name, scene)| (*name, scene)).collect();
     let plan = Plan {
@@ -169,8 +173,12 @@ pub fn sample(targets: &[Target], most: usize) -> Vec<(usize, usize)> {
     for (i, target) in targets.iter().enumerate() {
         let count = target.kernel.len();
         let share = (count * most).div_ceil(all.max(1)).max(2).min(count);
-        // Not at even distances, which would meet one kind of change more often than others.
-        chosen.extend((0..share).map(|n| (i, (n * count + hash(n) % count.max(1)) / share)));
+        // One from each of as many stretches, where in it differs from one to the next.
+        let at = |n: usize| n * count / share;
+        chosen.extend((0..share).map(|n| {
+            let stretch = at(n + 1) - at(n);
+            (i, at(n) + hash(n + 7 * i) % stretch.max(1))
+        }));
     }
     chosen
 }

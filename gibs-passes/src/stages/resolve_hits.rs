@@ -44,6 +44,14 @@ pub fn map_point(rows: &[Vec4; 3], p: Vec3) -> Vec3 {
     )
 }
 
+/// A vector times the power of two that brings its largest component to between 1 and 2: its direction to the same digits, of a
+/// length whose square is a number. The square of a triangle's area times a node's scale need not be one.
+#[inline]
+pub fn leveled(v: Vec3) -> Vec3 {
+    let exponent = (v.abs().max_element().to_bits() >> 23).min(253);
+    v * f32::from_bits((254 - exponent) << 23)
+}
+
 /// The transpose of a linear map given by rows, applied to a vector. With the inverse map's rows, this maps normals.
 #[inline]
 pub fn map_transposed(rows: &[Vec4; 3], v: Vec3) -> Vec3 {
@@ -129,8 +137,8 @@ pub fn resolve(scene: &Scene<'_>, direction: Vec3, hit: &Hit) -> SurfacePoint {
     let reach = triangle.v0.abs() + triangle.e1.abs() + triangle.e2.abs();
     let offset = magnitude(&instance.object_to_world, reach) * surface::OFFSET;
     // The counter-clockwise side; a mirroring map turns the winding, not the side.
-    let face =
-        map_transposed(&instance.world_to_object, triangle.e1.cross(triangle.e2)).normalize();
+    let area = leveled(triangle.e1.cross(triangle.e2));
+    let face = leveled(map_transposed(&instance.world_to_object, area)).normalize();
     let front = face.dot(direction) < 0.0;
     let side = if front { 1.0 } else { -1.0 };
     let mut smooth = face;

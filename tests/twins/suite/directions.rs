@@ -3,7 +3,7 @@ use super::declare::{EXACT, ROUNDED};
 use gibs_graph::glam::{UVec2, Vec2, Vec3, Vec4};
 use gibs_passes::accel::intersect::transform_vector;
 use gibs_passes::shared::{octahedral, sampling};
-use gibs_passes::stages::resolve_hits::{map_point, map_transposed};
+use gibs_passes::stages::resolve_hits::{leveled, map_point, map_transposed};
 
 twin! {
     dot ["vector::vector_dot"], (a: Vec3, b: Vec3) -> f32,
@@ -35,6 +35,13 @@ twin! {
         (if v == Vec3::ZERO { Vec3::NEG_Y } else { v },)
     },
     bound ROUNDED,
+}
+twin! {
+    leveled ["vector::vector_leveled"], (v: Vec3) -> Vec3,
+    wgsl "vector_leveled(v)",
+    rust leveled(v),
+    draw |d| (Vec3::new(d.signed(-126, 127), d.signed(-126, 127), d.signed(-126, 127)),),
+    bound EXACT,
 }
 twin! {
     max_element ["vector::vector_max_element"], (v: Vec3) -> f32,
@@ -185,6 +192,7 @@ twins!(
     cross,
     length,
     normalize,
+    leveled,
     max_element,
     affine_point,
     affine_vector,

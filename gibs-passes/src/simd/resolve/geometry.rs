@@ -73,7 +73,8 @@ impl Geometry {
             columns::<4, _>(&on.instances),
             columns::<8, _>(&on.instances),
         ];
-        let face = normalized(&map_transposed(&to_object, &cross(&e1, &e2)));
+        let area = leveled(&cross(&e1, &e2));
+        let face = normalized(&leveled(&map_transposed(&to_object, &area)));
         let [x, y, z, _] = columns::<4, _>(&on.rays);
         let front = _mm256_cmp_ps::<_CMP_LT_OQ>(dot(&face, &[x, y, z]), _mm256_setzero_ps());
         let [n0, n1, n2, smooth] = columns::<0, _>(&on.corners);
@@ -128,6 +129,17 @@ fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
         scaled(&[x, y, z], v[i])
     };
     sum(&sum(&part(0), &part(1)), &part(2))
+}
+
+/// [`crate::stages::resolve_hits::leveled`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn leveled(v: &Lanes3) -> Lanes3 {
+    let [x, y, z] = magnitudes(v);
+    let largest = _mm256_castps_si256(_mm256_max_ps(_mm256_max_ps(x, y), z));
+    let exponent = _mm256_min_epi32(_mm256_srli_epi32::<23>(largest), _mm256_set1_epi32(253));
+    let factor = _mm256_slli_epi32::<23>(_mm256_sub_epi32(_mm256_set1_epi32(254), exponent));
+    scaled(v, _mm256_castsi256_ps(factor))
 }
 
 #[inline]

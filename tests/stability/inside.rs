@@ -1,0 +1,119 @@
+//! A camera inside a solid, and pictures smaller than any tile.
+use super::build::{Build, room};
+use super::common::{all_backends, cpu};
+use super::measure::{U, assert_finite, draw, go_on, levels, settings};
+use super::pictures;
+use gibs::passes::frame::Settings;
+use gibs::passes::scene::{LightKind, Scene, Sun};
+use gibs::reference::{ReferenceOptions, reference};
+use gibs::view::View;
+use gibs::{Renderer, builtin};
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// A solid box of 2 m on a lit floor, seen from its middle: surfaces have two sides.
+fn boxed() -> (Scene, View) {
+    let mut scene = Build::new("inside", [0.0, 1.0, 0.0], [1.0, 0.8, 0.3], 1.2);
+    let grey = scene.paint(0.8, 0.0);
+    scene.floor(grey, [0.0; 3], 10.0);
+    scene.cuboid(
+        grey,
+        Vec3::new(-1.0, 0.0, -1.0),
+        Vec3::new(1.0, 2.0, 1.0),
+        false,
+    );
+    scene.light(LightKind::Point, [0.0, 3.0, 0.0], 1000.0);
+    scene.view.sun = Some(Sun {
+        direction: DVec3::new(0.3, -1.0, 0.2),
+        irradiance: Vec3::splat(1000.0),
+    });
+    scene.done()
+}
+
+/// No light gets into a closed box, so that direct light and E are exactly zero inside, where surfels know nothing of the sides
+/// that are lit: a surfel's normal faces who saw it.
+#[test]
+fn inside_a_solid_it_is_dark() {
+    for backend in all_backends() {
+        let name = backend.name();
+        let picture = draw(backend.as_ref(), &boxed(), [48, 27], 24, &settings(), 0);
+        for layer in ["E", "direct"] {
+            let planes = picture.rgb(layer).expect("the layer").concat();
+            assert!(planes.iter().all(|x| *x == 0.0), "{name}: {layer}");
+        }
+        println!("{name}: inside a solid: E and direct light are exactly 0");
+        pictures::irradiance("inside", name, &picture);
+    }
+}
+
+/// An eye in the plane of a wall, on an edge and in a corner of the room: rays start where they hit. Whatever is seen, every
+/// value is finite and E is none below zero.
+#[test]
+fn eyes_on_surfaces_see_something_finite() {
+    for backend in all_backends() {
+        let name = backend.name();
+        for eye in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0]] {
+            let (scene, mut view) = builtin::furnace(0.5, 1.0);
+            view.camera.position = DVec3::from(eye);
+            view.camera.target = DVec3::ZERO;
+            let picture = draw(
+                backend.as_ref(),
+                &(scene, view),
+                [37, 23],
+                8,
+                &settings(),
+                0,
+            );
+            assert!(
+                levels(&picture, "E").iter().all(|e| *e >= 0.0),
+                "{name}: {eye:?}"
+            );
+        }
+        println!("{name}: eyes on a wall, an edge and a corner: all values finite");
+    }
+}
+
+const SIZES: [[u32; 2]; 5] = [[1, 1], [1, 7], [7, 1], [37, 23], [3, 129]];
+
+/// At albedo 0 every pixel of a picture of any size has E = `pi e`, within the roundings of `white_walls`, also where a run
+/// goes on from one size to the next. In the room all values are finite, and so are those of the reference.
+#[test]
+fn odd_sizes_have_every_pixel_right() {
+    const DRAWN: u32 = 16;
+    let alone = Settings {
+        emitters: false,
+        rays: 1024,
+        ..settings()
+    };
+    let (furnace, view) = builtin::furnace(0.0, 1.0);
+    for backend in all_backends() {
+        let name = backend.name();
+        let mut renderer =
+            Renderer::new(backend.as_ref(), &furnace, &view, [2, 2], &alone, 0).expect("prepares");
+        for (size, frames) in SIZES.into_iter().zip((DRAWN..).step_by(DRAWN as usize)) {
+            renderer.resize(size).expect("another size");
+            let black = go_on(&mut renderer, DRAWN, name);
+            let worst = levels(&black, "E")
+                .into_iter()
+                .fold(0f64, |w, e| w.max((e / PI - 1.0).abs()));
+            let bound = 2.0 * (f64::from(frames) + 1024.0) * U;
+            println!("{name}: {size:?}: E is off by {worst:.2e} (bound {bound:.2e})");
+            assert!(worst <= bound, "{name}: {size:?}: {worst}");
+        }
+        for size in [[1, 1], [37, 23]] {
+            draw(backend.as_ref(), &room(), size, 4, &settings(), 0);
+        }
+    }
+    for size in SIZES {
+        let options = ReferenceOptions {
+            size,
+            samples: 4,
+            seed: 0,
+            emitters: true,
+        };
+        let (scene, view) = room();
+        let (picture, _) =
+            reference(cpu().as_ref(), &scene, &view, &options, |_, _| {}).expect("renders");
+        assert_finite(&picture, "the reference");
+    }
+}
