@@ -17,6 +17,10 @@ const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// must not make the program ask for more.
 const MAX_VALUES: usize = 1 << 30;
 
+/// Most values that one byte of a file can stand for: zlib, the best of the codings, has about five hundred halves of one
+/// value.
+const MAX_VALUES_PER_BYTE: usize = 4096;
+
 impl Picture {
     /// Reads every channel of an OpenEXR file. Half and integer channels become float. The channels
     /// of a file with several parts get the part's name in front; the largest level of a tiled file
@@ -44,7 +48,7 @@ impl Picture {
         }
         let meta = MetaData::read_from_buffered(bytes.as_slice(), false)
             .map_err(|e| decode_error(path, e))?;
-        check_headers(path, &meta)?;
+        check_headers(path, &meta, bytes.len())?;
         let image = read()
             .no_deep_data()
             .largest_resolution_level()
@@ -124,8 +128,8 @@ impl Picture {
 }
 
 /// Refuses what the decoder would misread or what would not fit in memory, before any pixel is
-/// decoded.
-fn check_headers(path: &Path, meta: &MetaData) -> Result<(), PictureError> {
+/// decoded. `bytes` is the length of the file.
+fn check_headers(path: &Path, meta: &MetaData, bytes: usize) -> Result<(), PictureError> {
     let unsupported = |what: String, remedy| {
         Err(PictureError::Unsupported {
             path: path.to_owned(),
@@ -184,6 +188,14 @@ fn check_headers(path: &Path, meta: &MetaData) -> Result<(), PictureError> {
                 height,
                 channels,
                 limit: MAX_VALUES,
+            });
+        }
+        if values > bytes.saturating_mul(MAX_VALUES_PER_BYTE) {
+            return Err(PictureError::Damaged {
+                path: path.to_owned(),
+                reason: format!(
+                    "{width}x{height} pixels with {channels} channels in a file of only {bytes} bytes"
+                ),
             });
         }
     }

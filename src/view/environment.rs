@@ -9,6 +9,10 @@ use std::{fs::File, io::BufReader, path::Path};
 /// Largest number of texels that is read: a map of 16384 x 8192, 1.5 GiB as it is held.
 const MAX_TEXELS: u64 = 1 << 27;
 
+/// Most texels that one byte of a file can stand for. zlib, the best of OpenEXR's codings, has fewer than two hundred of one
+/// value, and Radiance's run lengths sixty-four.
+const MAX_TEXELS_PER_BYTE: u64 = 4096;
+
 /// Width, height and texels as the file has them.
 type Raw = (u32, u32, Vec<Vec3>);
 
@@ -57,7 +61,8 @@ fn wrong(file: &Path, problem: String, remedy: &'static str) -> ViewError {
     }
 }
 
-/// Refuses a size before anything of that size is allocated.
+/// Refuses a size before anything of that size is allocated: one that is too large, and one that the file's length does not
+/// bear out.
 fn check_size(file: &Path, width: u64, height: u64) -> Result<(), ViewError> {
     let problem = format!("it is {width} x {height}");
     if width == 0 || height == 0 {
@@ -69,6 +74,16 @@ fn check_size(file: &Path, width: u64, height: u64) -> Result<(), ViewError> {
             problem,
             "scale it down to at most 16384 x 8192",
         ));
+    }
+    // What is no regular file says no length, and is read as far as it goes.
+    let metadata = std::fs::metadata(file)
+        .ok()
+        .filter(std::fs::Metadata::is_file);
+    if let Some(bytes) = metadata.map(|metadata| metadata.len())
+        && width * height > bytes.saturating_mul(MAX_TEXELS_PER_BYTE)
+    {
+        let problem = format!("{problem}, but the file has only {bytes} bytes");
+        return Err(wrong(file, problem, "copy or save it again"));
     }
     Ok(())
 }

@@ -102,3 +102,41 @@ proptest! {
         watched(|| read_picture(&path));
     }
 }
+
+/// A few hundred bytes that say that they are an image of gigabytes.
+#[test]
+fn a_header_that_the_file_does_not_bear_out_is_refused() {
+    let folder = Folder::new();
+    // The data window and the display window of an image of 6x4 end at 5, 3.
+    let mut bytes = openexr();
+    let window = [5_i32, 3].map(i32::to_le_bytes).concat();
+    let wide = [(1_i32 << 24) - 1, 3].map(i32::to_le_bytes).concat();
+    for at in (0..bytes.len() - 8)
+        .filter(|&at| bytes[at..at + 8] == window)
+        .collect::<Vec<_>>()
+    {
+        bytes[at..at + 8].copy_from_slice(&wide);
+    }
+    let path = folder.write("picture.exr", &bytes);
+    let error = watched(|| Picture::read_exr(&path))
+        .expect_err("it is damaged")
+        .to_string();
+    assert!(
+        error.contains("16777216x4") && error.contains("bytes"),
+        "{error}"
+    );
+    let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n\x02\x02\x40\x00";
+    for (name, bytes) in [("sky.exr", bytes.as_slice()), ("sky.hdr", hdr)] {
+        folder.write(name, bytes);
+        let text = format!(
+            r#"{{"camera": {{"position": [0, 0, 1], "target": [0, 0, 0], "vfov_degrees": 50}},
+                "environment": {{"file": "{name}"}}}}"#
+        );
+        let view = watched(|| View::from_json(&text, &folder.0.join("view.json")));
+        let error = view.expect_err("it is damaged").to_string();
+        assert!(
+            error.contains(name) && error.contains("has only"),
+            "{error}"
+        );
+    }
+}
