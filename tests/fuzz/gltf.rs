@@ -89,7 +89,7 @@ fn broken(seed: Index, edits: &[crate::edits::JsonEdit]) -> (Doc, serde_json::Va
 }
 
 proptest! {
-    #![proptest_config(cases(1500))]
+    #![proptest_config(cases(2500))]
 
     #[test]
     fn a_broken_document_is_read_or_refused(seed: Index, edits in json_edits()) {
@@ -144,7 +144,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(60))]
+    #![proptest_config(cases(150))]
 
     /// What the loader accepts is drawn, whatever its numbers are, and every value of the picture is finite.
     #[test]

@@ -88,7 +88,7 @@ impl<T: Element> Pool<T> {
             }
             3 => entry.last = Some(g.zeroed(name, len)),
             4 | 5 => {
-                let initial = if kind % 2 == 0 {
+                let initial = if kind.is_multiple_of(2) {
                     Initial::Sequence
                 } else {
                     Initial::Zero

@@ -165,7 +165,7 @@ fn random_graphs_agree_on_every_backend() {
     let ways = [participants("cpu"), participants("cpu-checked")];
     let compiler = Compiler::new();
     let elements = AtomicU64::new(0);
-    let mut runner = TestRunner::new(cases(100));
+    let mut runner = TestRunner::new(cases(200));
     let ran = runner.run(&recipes(), |recipe| {
         elements.fetch_add(
             lockstep(&recipe, &compiler, &ways[recipe.seed as usize % 2]),

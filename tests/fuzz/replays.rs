@@ -120,7 +120,7 @@ fn damage() -> impl Strategy<Value = (Index, Vec<ByteEdit>, bool)> {
 }
 
 proptest! {
-    #![proptest_config(cases(1200))]
+    #![proptest_config(cases(3000))]
 
     /// Indices that lead nowhere, trees with circles, counts beyond their lists, floats that are no numbers.
     #[test]
