@@ -169,7 +169,9 @@ impl Check<'_> {
             return Err(self.wrong("camera.up", format!("{:?}", camera.up), remedy));
         }
         let degrees = camera.vfov_degrees;
-        if !(degrees > 0.0 && degrees < 180.0) {
+        let vfov = degrees.to_radians();
+        // The smallest numbers of degrees are no number of radians.
+        if !(vfov > 0.0 && degrees < 180.0) {
             let remedy = "give an angle above 0 and below 180 degrees";
             return Err(self.wrong("camera.vfov_degrees", degrees.to_string(), remedy));
         }
@@ -177,7 +179,7 @@ impl Check<'_> {
             position,
             target,
             up,
-            vfov: degrees.to_radians(),
+            vfov,
         })
     }
 }

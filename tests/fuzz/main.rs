@@ -23,6 +23,7 @@ mod graph_steps;
 mod graphs;
 mod images;
 mod replays;
+mod settings;
 mod texts;
 mod watch;
 mod wgsl;
