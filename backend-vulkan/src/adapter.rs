@@ -186,15 +186,6 @@ impl Adapter {
             self.unusable = Some(format!("has no compute in queue family {family}"));
         }
     }
-
-    /// SPIR-V version for this device: what every device of its Vulkan version takes.
-    pub fn spirv(&self) -> (u8, u8) {
-        if self.api >= vk::API_VERSION_1_3 {
-            (1, 6)
-        } else {
-            (1, 4)
-        }
-    }
 }
 
 /// What the kernels and the frame loop cannot do without.

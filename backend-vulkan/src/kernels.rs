@@ -3,7 +3,7 @@ use crate::device::Device;
 use crate::spirv::fold_access_chains;
 use ash::vk;
 use gibs_graph::{Access, BackendError, DispatchStep, Schedule, Step};
-use gibs_shaders::Compiler;
+use gibs_shaders::{Compiler, SPIRV};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -156,9 +156,7 @@ impl Kernel {
         let compiled = compiler
             .compile(&dispatch.kernel.wgsl, &dispatch.ports)
             .map_err(|e| refused(e.to_string()))?;
-        let mut words = compiled
-            .spirv(device.adapter.spirv())
-            .map_err(|e| refused(e.to_string()))?;
+        let mut words = compiled.spirv(SPIRV).map_err(|e| refused(e.to_string()))?;
         if device.instance.checks_hazards {
             words = fold_access_chains(&words);
         }
@@ -175,7 +173,7 @@ impl Kernel {
             .enumerate()
             .filter(|(_, p)| p.access.is_bound())
         {
-            let binding = compiled.binding(declared.name).ok_or_else(|| {
+            let binding = compiled.spirv_binding(declared.name).ok_or_else(|| {
                 refused(format!(
                     "the kernel has no binding for port `{}`",
                     declared.name

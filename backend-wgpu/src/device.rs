@@ -8,8 +8,8 @@ use wgpu::Features;
 pub struct Options {
     /// Part of the device's name, in any case; `None` for the fastest kind that there is.
     pub adapter: Option<String>,
-    /// Give the driver the SPIR-V words that the Vulkan backend gives it ([`crate::SAME_SPIRV`]), instead of WGSL, so
-    /// that a difference between the two backends is not one between compilers.
+    /// Give the driver the SPIR-V words that the Vulkan backend gives it, instead of WGSL, so that a difference
+    /// between the two backends is not one between compilers.
     pub same_spirv: bool,
 }
 

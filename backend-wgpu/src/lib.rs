@@ -31,7 +31,6 @@ mod uploads;
 pub use backend::WgpuBackend;
 pub use device::{Options, devices};
 pub use executable::WgpuExecutable;
-pub use passthrough::SAME_SPIRV;
 pub use uploads::{RECORDED_UPLOAD, RECORDED_UPLOADS};
 
 pub use wgpu;

@@ -1,11 +1,8 @@
 //! Kernels as SPIR-V words. The one unsafe module of this crate.
 #![allow(unsafe_code)]
 use crate::context::Context;
-use gibs_shaders::CompiledKernel;
+use gibs_shaders::{CompiledKernel, SPIRV};
 use std::borrow::Cow;
-
-/// Version of the SPIR-V that [`crate::Options::same_spirv`] gives the driver: what Vulkan 1.2 takes.
-pub const SAME_SPIRV: (u8, u8) = (1, 4);
 
 /// A module of the kernel's SPIR-V, which wgpu hands on as it is.
 ///
@@ -16,9 +13,7 @@ pub(crate) fn module(
     label: &str,
     compiled: &CompiledKernel,
 ) -> Result<wgpu::ShaderModule, String> {
-    let words = compiled
-        .spirv(SAME_SPIRV)
-        .map_err(|error| error.to_string())?;
+    let words = compiled.spirv(SPIRV).map_err(|error| error.to_string())?;
     let [x, y, z] = compiled.workgroup_size();
     let entry = wgpu::PassthroughShaderEntryPoint {
         name: Cow::Borrowed("main"),
@@ -31,6 +26,7 @@ pub(crate) fn module(
         ..Default::default()
     };
     // SAFETY: the words were made by naga from a module that naga validated, with bounds checks; its entry point is
-    // `main`, and its bindings are those of the layout, which is made from the same kernel.
+    // `main`; and its bindings are numbered as wgpu numbers those of the layout, which is made from the same kernel: from 0 without
+    // gaps (wgpu-hal, `create_bind_group_layout` on Vulkan).
     Ok(unsafe { context.device.create_shader_module_passthrough(descriptor) })
 }

@@ -151,6 +151,9 @@ impl Inner {
     }
 }
 
+/// Version of SPIR-V that backends ask for: what every device with Vulkan 1.2 takes.
+pub const SPIRV: (u8, u8) = (1, 4);
+
 impl CompiledKernel {
     /// The composed plain text, which wgpu takes. Its entry point is `main`.
     pub fn wgsl(&self) -> &str {
@@ -165,12 +168,31 @@ impl CompiledKernel {
         global.binding.filter(|b| b.group == 0).map(|b| b.binding)
     }
 
+    /// Binding in set 0 of the SPIR-V of the global that belongs to `port`.
+    pub fn spirv_binding(&self, port: &str) -> Option<u32> {
+        let binding = self.binding(port)?;
+        let order = self.bindings_in_order();
+        order
+            .iter()
+            .position(|b| (b.group, b.binding) == (0, binding))
+            .map(|place| place as u32)
+    }
+
+    /// Group 0 comes first.
+    fn bindings_in_order(&self) -> Vec<naga::ResourceBinding> {
+        let globals = self.inner.module.global_variables.iter();
+        let mut bindings: Vec<_> = globals.filter_map(|(_, global)| global.binding).collect();
+        bindings.sort_unstable_by_key(|b| (b.group, b.binding));
+        bindings
+    }
+
     /// Invocations per workgroup along x, y and z.
     pub fn workgroup_size(&self) -> [u32; 3] {
         self.inner.workgroup_size()
     }
 
-    /// SPIR-V of a version such as `(1, 4)`, with the same descriptor sets and bindings as the WGSL.
+    /// SPIR-V of a version such as [`SPIRV`]. Bindings of a set are numbered from 0 without gaps, in the order of those of
+    /// the WGSL: so does wgpu number them, whether it writes the SPIR-V or is given it.
     ///
     /// Reads and writes beyond the end of a buffer are made harmless, and loops are made finite, as in WebGPU.
     ///
@@ -178,25 +200,22 @@ impl CompiledKernel {
     /// What naga cannot write in that version.
     pub fn spirv(&self, version: (u8, u8)) -> Result<Vec<u32>, ShaderError> {
         let (module, info) = self.inner.resolved();
-        let bindings = module
-            .global_variables
-            .iter()
-            .filter_map(|(_, global)| global.binding);
-        let same = |b: naga::ResourceBinding| {
-            (
-                b,
-                spv::BindingInfo {
-                    descriptor_set: b.group,
-                    binding: b.binding,
-                    binding_array_size: None,
-                },
-            )
-        };
+        let order = self.bindings_in_order();
+        let numbered = order.iter().map(|&b| {
+            let first = order.iter().position(|other| other.group == b.group);
+            let place = order.iter().position(|&other| other == b);
+            let info = spv::BindingInfo {
+                descriptor_set: b.group,
+                binding: (place.unwrap_or_default() - first.unwrap_or_default()) as u32,
+                binding_array_size: None,
+            };
+            (b, info)
+        });
         let options = spv::Options {
             lang_version: version,
             flags: spv::WriterFlags::DEBUG,
             fake_missing_bindings: false,
-            binding_map: bindings.map(same).collect(),
+            binding_map: numbered.collect(),
             bounds_check_policies: BoundsCheckPolicies {
                 index: BoundsCheckPolicy::Restrict,
                 buffer: BoundsCheckPolicy::Restrict,

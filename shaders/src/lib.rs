@@ -28,7 +28,7 @@ mod reflect;
 mod validate;
 
 #[cfg(feature = "compiler")]
-pub use compiler::{CompiledKernel, Compiler};
+pub use compiler::{CompiledKernel, Compiler, SPIRV};
 #[cfg(feature = "compiler")]
 pub use error::ShaderError;
 #[cfg(feature = "compiler")]

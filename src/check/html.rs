@@ -25,9 +25,16 @@ summary { cursor: pointer; padding: .2rem 0; }
 code { font-size: .92em; }
 ";
 
+/// What the pictures show.
+const LEGEND: &str = "<h2>Pictures of differences</h2><p>The first of each step. A pixel is an element, row by row: \
+<span class=v style=\"background:#000\">equal</span> <span class=v style=\"background:#3c3cff\">one ULP</span> \
+<span class=v style=\"background:#e63c3c\">half of the bits</span> \
+<span class=v style=\"background:#fff;color:#000;border:1px solid\">all bits</span></p>";
+
 /// The report as one HTML file that needs nothing else. Of each capture, there is a picture per port that was written: an
-/// element is a pixel, row by row; black is equal, and from blue over red to white it is off by one ULP to all bits.
-pub fn html(report: &Report, captures: &[Capture]) -> String {
+/// element is a pixel, row by row; black is equal, and from blue over red to white it is off by one ULP to all bits. What has
+/// as many elements as the frame has pixels, `size`, is drawn in its shape.
+pub fn html(report: &Report, captures: &[Capture], size: [u32; 2]) -> String {
     let mut page = String::new();
     let verdict = report.verdict();
     page += "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">";
@@ -77,11 +84,14 @@ pub fn html(report: &Report, captures: &[Capture]) -> String {
         report.pairs().count(),
         report.elements()
     );
-    for capture in captures {
-        pictures(&mut page, capture);
-    }
     for case in &report.cases {
         table(&mut page, case);
+    }
+    if !captures.is_empty() {
+        page += LEGEND;
+    }
+    for capture in captures {
+        pictures(&mut page, capture, size);
     }
     page += "</html>\n";
     page
@@ -189,13 +199,13 @@ fn row(page: &mut String, step: &StepReport, port: &PortReport, pair: &PairRepor
 }
 
 /// Pictures of the first two results of a capture.
-fn pictures(page: &mut String, capture: &Capture) {
+fn pictures(page: &mut String, capture: &Capture, size: [u32; 2]) {
     let [a, b, ..] = &capture.results[..] else {
         return;
     };
     let _ = write!(
         page,
-        "<h2>{}, {}</h2><p>Frame {}; <code>{}</code> against <code>{}</code>.</p>",
+        "<h3>{}, {}</h3><p>Frame {}; <code>{}</code> against <code>{}</code>.</p>",
         escaped(&capture.case),
         escaped(&capture.label),
         capture.frame,
@@ -206,7 +216,7 @@ fn pictures(page: &mut String, capture: &Capture) {
         let buffer = &capture.buffers[id as usize];
         let off = apart(&buffer.element, x, y);
         let unequal = off.iter().filter(|ulps| **ulps > 0.0).count();
-        if let Some(picture) = picture(&off) {
+        if let Some(picture) = picture(&off, size) {
             let _ = write!(
                 page,
                 "<figure><img width=\"{w}\" alt=\"differences\" src=\"data:image/png;base64,{picture}\">\
@@ -223,7 +233,7 @@ fn pictures(page: &mut String, capture: &Capture) {
 const SIDE: usize = 256;
 
 /// Differences as a PNG, encoded; `None` where there is nothing to show.
-fn picture(off: &[f64]) -> Option<String> {
+fn picture(off: &[f64], [columns, rows]: [u32; 2]) -> Option<String> {
     if off.iter().all(|ulps| *ulps == 0.0) {
         return None;
     }
@@ -232,7 +242,10 @@ fn picture(off: &[f64]) -> Option<String> {
         .chunks(per_pixel)
         .map(|chunk| chunk.iter().copied().fold(0.0, f64::max))
         .collect();
-    let width = (pixels.len() as f64).sqrt().ceil() as usize;
+    let width = match u64::from(columns) * u64::from(rows) == off.len() as u64 && per_pixel == 1 {
+        true => columns as usize,
+        false => (pixels.len() as f64).sqrt().ceil() as usize,
+    };
     let mut image = RgbImage::new(width as u32, pixels.len().div_ceil(width) as u32);
     for (i, &ulps) in pixels.iter().enumerate() {
         image.put_pixel((i % width) as u32, (i / width) as u32, color(ulps));

@@ -32,7 +32,7 @@ pub struct Args {
     /// Only steps and stages of which the name contains this
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// Compare the first N frames, instead of some early and some later ones up to the 30th
+    /// Compare the first N frames, instead of some early and some later ones up to the 77th
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
     /// Width and height of the pictures
@@ -220,7 +220,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         super::output::write_text(&folder.join("report.json"), &compact)?;
         super::output::write_text(
             &folder.join("report.html"),
-            &html(&checked.report, &checked.captures),
+            &html(&checked.report, &checked.captures, args.size),
         )?;
     }
     match args.json {

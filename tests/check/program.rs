@@ -1,4 +1,5 @@
 //! The commands `check`, `bisect` and `replay`.
+use crate::common::all_backends;
 use gibs::check::Capture;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -43,6 +44,35 @@ fn check_passes_and_writes_its_report() {
     let json = std::fs::read(Path::new(folder).join("report.json")).expect("written");
     let written: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     assert_eq!(written["report"]["lanes"], summary["report"]["lanes"]);
+}
+
+/// Every kernel of a frame, some of which leave bindings out.
+#[test]
+fn vulkan_and_wgpu_agree_on_the_same_words() {
+    let backends = all_backends();
+    let is_there = |name| backends.iter().any(|b| b.name() == name);
+    if !is_there("vulkan") || !is_there("wgpu") {
+        println!("not run: vulkan and wgpu are not both there");
+        return;
+    }
+    let output = gibs(&[
+        "check",
+        "cornell",
+        "--same-spirv",
+        "--backends",
+        "vulkan,wgpu",
+        "--frames",
+        "3",
+        "--json",
+    ]);
+    assert_eq!(code(&output), Some(0), "{}", text(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    if let Some(missing) = summary["not_run"].as_array().and_then(|list| list.first()) {
+        println!("not run: {missing}");
+        return;
+    }
+    let pair = &summary["report"]["cases"][0]["steps"][0]["ports"][0]["pairs"][0];
+    assert_eq!(pair["exact"], true, "{pair}");
 }
 
 #[test]

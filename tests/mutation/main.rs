@@ -1,6 +1,7 @@
 //! A sample of the mutants that `examples/mutation.rs` makes: the checks find what is wrong with a kernel.
 #[path = "../common/mod.rs"]
 mod common;
+mod equivalent;
 mod generate;
 mod run;
 #[allow(dead_code, reason = "the twin tests use the rest")]
@@ -16,7 +17,7 @@ use twins::Twins;
 const SAMPLE: usize = 60;
 
 /// Unchanged kernels agree in the form that mutants have, and the checks find as many mutants as in the long run, but for what a
-/// sample of this size varies by: of 92 % (docs/checking.md), three standard deviations of 150 draws are 7 %. The aim, 95 %, is
+/// sample of this size varies by: of 97 % (docs/checking.md), three standard deviations of 150 draws are 4 %. The aim, 95 %, is
 /// judged by the long run.
 #[test]
 fn mutants_are_caught() {
@@ -34,18 +35,22 @@ fn mutants_are_caught() {
     for &(i, index) in &sample(&targets, SAMPLE) {
         let (what, fate) = targets[i].run(index, &twins, device.as_ref());
         match fate {
-            Fate::Stillborn => {}
+            Fate::Stillborn | Fate::Equivalent => {}
             Fate::Caught | Fate::CaughtByTwins => caught += 1,
             Fate::Survived => {
                 survived += 1;
                 println!("survived: {}: {what}", targets[i]);
             }
+            Fate::WronglyListed => panic!(
+                "{}: {what}: is caught, and listed as equivalent",
+                targets[i]
+            ),
         }
     }
     let all = caught + survived;
     println!("{caught} of {all} caught");
     assert!(all > SAMPLE / 2, "most changes give a valid kernel");
-    assert!(caught * 100 >= all * 85, "{survived} of {all} survived");
+    assert!(caught * 100 >= all * 92, "{survived} of {all} survived");
     for target in targets.iter().step_by(7) {
         let original = target.kernel.original().expect("a valid kernel");
         let same = target.differs(&original, device.as_ref());

@@ -1,4 +1,5 @@
 //! Mutants against captures of the stages that they are mutants of.
+use crate::equivalent::reason;
 use crate::generate::Kernel;
 use crate::twins::Twins;
 use gibs::builtin;
@@ -6,15 +7,15 @@ use gibs::check::{Capture, Participant, Plan, cases, record, replay, verify};
 use gibs::graph::{Action, Backend, StageInfo, WgslSource};
 use gibs::passes::stages;
 use gibs_shaders::Compiler;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Captures of each kernel: those of different scenes and frames find what one alone would not.
-const CAPTURES: usize = 24;
+/// Captures of each kernel in each scene: those of different scenes and frames find what one alone would not.
+const CAPTURES: usize = 16;
 
 /// Frames that are captured: the first has no surfels to begin with; then lights change, the camera backs away, and surfels
-/// have learned.
-const FRAMES: [u32; 6] = [0, 2, 10, 14, 22, 30];
+/// have learned when lights change once more.
+const FRAMES: [u32; 8] = [0, 2, 10, 14, 22, 30, 66, 76];
 
 /// A kernel with the features of its bound ports, and what it has been captured doing.
 pub struct Target {
@@ -35,6 +36,10 @@ pub enum Fate {
     CaughtByTwins,
     /// Nothing showed a difference.
     Survived,
+    /// Nothing showed a difference, and [`reason`] tells why nothing can.
+    Equivalent,
+    /// [`reason`] tells why nothing can show a difference, and something did.
+    WronglyListed,
 }
 
 /// The scenes and their size: no number of elements is a multiple of a workgroup's, so that the last one is not full.
@@ -42,7 +47,7 @@ fn plan() -> Plan {
     Plan {
         size: [45, 27],
         surfels: 1000,
-        rays: 1011,
+        rays: 4011,
         all: true,
         ..Plan::default()
     }
@@ -63,17 +68,26 @@ pub fn targets(
         ..plan()
     };
     let mut found: BTreeMap<(&str, Vec<&str>), Vec<Capture>> = BTreeMap::new();
+    let mut taken: BTreeMap<_, usize> = BTreeMap::new();
     for case in &mut cases(&scenes, &plan, oracle)? {
-        for frame in FRAMES {
-            let mut taken: BTreeMap<(&str, Vec<&str>), usize> = BTreeMap::new();
+        let scene = case.name.split(',').next().unwrap_or_default().to_owned();
+        let is_view = case.name.contains("debug view");
+        for &frame in &case.frames.clone() {
             let schedule = case.schedule.clone();
+            let mut here = BTreeSet::new();
             let captures = record(case, Participant::new(oracle), frame, |_, dispatch| {
-                let key = (dispatch.stage, dispatch.features());
-                let before = found.get(&key).map_or(0, Vec::len);
-                let new = taken.entry(key).or_default();
-                let takes = *new < 1 && before + *new < CAPTURES;
-                *new += usize::from(takes);
-                takes
+                let kernel = (dispatch.stage, dispatch.features());
+                // A stage that comes several times in a frame is taken once.
+                if !here.insert(kernel.clone()) {
+                    return false;
+                }
+                // Each debug view takes a way of its own through the stages that draw them, and no other of the rest.
+                if is_view {
+                    return dispatch.stage.starts_with("Debug");
+                }
+                let count = taken.entry((kernel, scene.clone())).or_default();
+                *count += 1;
+                *count <= CAPTURES
             })?;
             for capture in captures {
                 let step = schedule
@@ -151,6 +165,12 @@ impl Target {
                     false => Fate::Survived,
                 }
             }
+        };
+        let listed = reason(&self.to_string(), &mutant.what).is_some();
+        let fate = match (fate, listed) {
+            (Fate::Survived, true) => Fate::Equivalent,
+            (_, true) => Fate::WronglyListed,
+            (fate, false) => fate,
         };
         (mutant.what, fate)
     }

@@ -2,8 +2,9 @@
 use super::case::distinct;
 use super::compare::compare;
 use super::contents::Contents;
-use super::lockstep::{CheckOptions, Lockstep, written};
+use super::lockstep::{Lockstep, written};
 use super::report::Verdict;
+use super::run::CheckOptions;
 use super::{Capture, Case, CheckError, Difference, Participant};
 use crate::{BackendError, Executable, Order, Schedule};
 

@@ -3,8 +3,9 @@ use super::compare::Comparison;
 use super::condition::{Condition, undecided_cap};
 use super::contents::Contents;
 use super::isolate::isolate;
-use super::lockstep::{CheckOptions, Written, written};
+use super::lockstep::{Written, written};
 use super::report::{PairReport, PortReport, StepReport, Verdict};
+use super::run::CheckOptions;
 use super::{Difference, Participant};
 use crate::{
     Access, Action, Backend, BackendError, Comparator, Order, Ports, ResourceId, Schedule, Step,

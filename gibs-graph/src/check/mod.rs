@@ -27,6 +27,7 @@ mod npz;
 mod reduce;
 mod replay;
 mod report;
+mod run;
 
 pub use bisect::{Parting, Way, bisect};
 pub use capture::{Capture, CapturedBuffer, CapturedSize, Origin};
@@ -35,7 +36,7 @@ pub use compare::{Comparison, Difference, UNWRITTEN, apart, compare};
 pub use condition::undecided_cap;
 pub use error::{CaptureError, CheckError};
 pub use expectation::{Expectation, Expectations};
-pub use lockstep::{CheckOptions, Checked, check, record};
 pub use reduce::{Reduced, reduce};
 pub use replay::{Replayed, replay, verify};
 pub use report::{CaseReport, Gap, Lane, PairReport, PortReport, Report, StepReport, Verdict};
+pub use run::{CheckOptions, Checked, check, record};

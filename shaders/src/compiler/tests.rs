@@ -40,6 +40,33 @@ fn a_kernel_tells_its_text_bindings_and_size() {
     assert_eq!(bindings, [Some(0), Some(1), Some(1), None]);
 }
 
+/// wgpu numbers what it binds from 0, whatever its numbers in WGSL; where it is given SPIR-V, that has to do the same.
+#[test]
+fn bindings_of_spirv_have_no_gaps() {
+    const DECORATE: u32 = 71;
+    const BINDING: u32 = 33;
+    let gaps = "@group(0) @binding(7) var<storage, read_write> target_: array<u32>;
+@group(0) @binding(2) var<storage, read> source: array<u32>;
+@group(0) @binding(11) var<uniform> scale: u32;
+@compute @workgroup_size(1) fn main() { target_[0] = scale * source[0]; }";
+    let kernel = Compiler::new()
+        .compile(&source(gaps, &[], &[]), &[])
+        .unwrap();
+    let of = |port| (kernel.binding(port), kernel.spirv_binding(port));
+    assert_eq!(of("source"), (Some(2), Some(0)));
+    assert_eq!(of("target"), (Some(7), Some(1)));
+    assert_eq!(of("scale"), (Some(11), Some(2)));
+    assert_eq!(of("other"), (None, None));
+    let words = kernel.spirv(SPIRV).unwrap();
+    let code = instructions(&words);
+    let decorated = code
+        .iter()
+        .filter(|(op, args)| *op == DECORATE && args[1] == BINDING);
+    let mut bindings: Vec<_> = decorated.map(|(_, args)| args[2]).collect();
+    bindings.sort_unstable();
+    assert_eq!(bindings, [0, 1, 2]);
+}
+
 #[test]
 fn what_is_compiled_is_remembered_by_text_and_features() {
     let compiler = Compiler::new();
