@@ -52,7 +52,7 @@ impl Default for Plan {
 /// `oracle` draws what an engine would draw.
 ///
 /// # Errors
-/// As [`Renderer::new`].
+/// As [`Renderer::new`](crate::Renderer::new).
 pub fn cases(
     scenes: &[(&str, &(Scene, View))],
     plan: &Plan,
@@ -162,7 +162,7 @@ fn refused(error: RenderError) -> BackendError {
 /// `queries`, points within a metre around the origin are asked for.
 ///
 /// # Errors
-/// As [`Renderer::new`].
+/// As [`Renderer::new`](crate::Renderer::new).
 pub fn surfels(
     name: &str,
     (scene, view): &(Scene, View),
