@@ -2,7 +2,7 @@
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use gibs_graph::check::{
-    Capture, CaseReport, PairReport, PortReport, Report, StepReport, Verdict, apart,
+    Capture, CaseReport, Expectation, PairReport, PortReport, Report, StepReport, Verdict, apart,
 };
 use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 use std::fmt::Write;
@@ -33,8 +33,14 @@ const LEGEND: &str = "<h2>Pictures of differences</h2><p>The first of each step.
 
 /// The report as one HTML file that needs nothing else. Of each capture, there is a picture per port that was written: an
 /// element is a pixel, row by row; black is equal, and from blue over red to white it is off by one ULP to all bits. What has
-/// as many elements as the frame has pixels, `size`, is drawn in its shape.
-pub fn html(report: &Report, captures: &[Capture], size: [u32; 2]) -> String {
+/// as many elements as the frame has pixels, `size`, is drawn in its shape. `unmet` are expected differences that did not come
+/// ([`Expectations::apply`](gibs_graph::check::Expectations::apply)).
+pub fn html(
+    report: &Report,
+    captures: &[Capture],
+    unmet: &[&Expectation],
+    size: [u32; 2],
+) -> String {
     let mut page = String::new();
     let verdict = report.verdict();
     page += "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">";
@@ -84,6 +90,16 @@ pub fn html(report: &Report, captures: &[Capture], size: [u32; 2]) -> String {
         report.pairs().count(),
         report.elements()
     );
+    for expectation in unmet {
+        let _ = write!(
+            page,
+            "<p>{} <code>{}</code> on {} is expected to differ and did not: {}</p>",
+            badge(Verdict::Differs),
+            escaped(&expectation.stage),
+            escaped(&expectation.device),
+            escaped(&expectation.reason)
+        );
+    }
     for case in &report.cases {
         table(&mut page, case);
     }

@@ -76,9 +76,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let capture = parting
         .as_ref()
         .and_then(|parting| parting.capture.as_ref());
-    if let Some(capture) = capture {
-        capture.write(&args.out)?;
-    }
     let summary = Summary {
         frames: args.frames,
         parted: parting.as_ref().map(|parting| Parted {
@@ -101,6 +98,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         );
     } else {
         tell(&summary, names)?;
+    }
+    // After the answer, which is not lost where the file cannot be written.
+    if let Some(capture) = capture {
+        capture.write(&args.out)?;
     }
     match summary.parted {
         None => Ok(()),

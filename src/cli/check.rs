@@ -5,8 +5,8 @@ use super::scene::{Loaded, SceneArgs};
 use crate::backends::{self, Choice};
 use crate::builtin;
 use crate::check::{
-    Capture, Case, CheckOptions, Expectations, Gap, Participant, Plan, Report, Verdict, cases,
-    check, html,
+    Capture, Case, CheckOptions, Expectation, Expectations, Gap, Participant, Plan, Report,
+    Verdict, cases, check, html,
 };
 use crate::view::View;
 use gibs_graph::{Backend, BackendError};
@@ -138,6 +138,8 @@ struct Summary<'a> {
     /// Stages of this program that no case runs.
     stages_not_run: &'a [&'static str],
     gaps: &'a [Gap],
+    /// Differences that are expected and did not come.
+    unmet: &'a [&'a Expectation],
     report: &'a Report,
     captures: &'a [PathBuf],
 }
@@ -196,6 +198,13 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let mut checked = check(&mut cases, &participants, &options, |_, _, _| bar.inc(1))?;
     bar.finish_and_clear();
     let unmet = expectations.apply(&mut checked.report);
+    if args.view.is_some()
+        && scenes
+            .iter()
+            .all(|(name, _)| builtin::by_name(name).is_some())
+    {
+        warning!("--view is for scenes that are files; built-in ones have views of their own");
+    }
     // Asked for a part, it is a part; asked for everything, it has to be that.
     let gaps = match args.stage {
         Some(_) => Vec::new(),
@@ -211,6 +220,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         not_run: &not_run,
         stages_not_run: &unrun,
         gaps: &gaps,
+        unmet: &unmet,
         report: &checked.report,
         captures: &captures,
     };
@@ -220,7 +230,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         super::output::write_text(&folder.join("report.json"), &compact)?;
         super::output::write_text(
             &folder.join("report.html"),
-            &html(&checked.report, &checked.captures, args.size),
+            &html(&checked.report, &checked.captures, &unmet, args.size),
         )?;
     }
     match args.json {
@@ -343,7 +353,47 @@ fn load_expectations(file: &Path) -> Result<Expectations, CommandError> {
         })
     };
     let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
-    toml::from_str(&text).map_err(|e| wrong(e.to_string()))
+    let expectations: Expectations = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    for expectation in &expectations.expected {
+        if let Some(problem) = problem_with(expectation) {
+            return Err(wrong(problem));
+        }
+    }
+    Ok(expectations)
+}
+
+/// What could never come, or would excuse everything.
+fn problem_with(expectation: &Expectation) -> Option<String> {
+    let said = [
+        ("device", &expectation.device),
+        ("reason", &expectation.reason),
+    ];
+    if let Some((name, _)) = said.iter().find(|(_, text)| text.trim().is_empty()) {
+        return Some(format!("`{name}` is empty"));
+    }
+    if let Some(backend) = &expectation.backend
+        && !WAYS.iter().any(|(name, _)| name.starts_with(backend))
+    {
+        let names = WAYS.map(|(name, _)| name).join(", ");
+        return Some(format!("no backend is called `{backend}`: {names}"));
+    }
+    let stages = stages::all();
+    let Some(stage) = stages.iter().find(|stage| stage.name == expectation.stage) else {
+        return Some(format!(
+            "no stage has the type name `{}`; reports show it beside each step",
+            expectation.stage
+        ));
+    };
+    let written = stage.ports.iter().filter(|port| port.access.writes());
+    let written: Vec<_> = written.map(|port| port.name).collect();
+    match &expectation.port {
+        Some(port) if !written.contains(&port.as_str()) => Some(format!(
+            "`{}` writes no port `{port}`, but {}",
+            stage.name,
+            written.join(", ")
+        )),
+        _ => None,
+    }
 }
 
 fn stages_not_run(cases: &[Case<'_>]) -> Vec<&'static str> {

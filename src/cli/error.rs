@@ -134,12 +134,16 @@ pub enum CommandError {
         b: &'static str,
     },
     /// A replayed stage gives something else than it did.
-    #[error("`{stage}` on {backend} differs from what was captured")]
+    #[error(
+        "`{stage}` on {backend} differs from what {oracle} made of it, the first participant of the capture"
+    )]
     Replay {
         /// Stage.
         stage: String,
         /// Backend.
         backend: &'static str,
+        /// First participant of the capture.
+        oracle: String,
     },
     /// There is no difference to keep.
     #[error("{}: {a} and {b} agree on it, so there is nothing to reduce; name the two that differ", capture.display())]

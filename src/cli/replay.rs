@@ -1,15 +1,18 @@
 //! `gibs replay`: one captured stage alone.
 use super::CommandError;
 use super::check::Way;
-use super::output::{progress, say};
-use crate::check::{Capture, CaptureError, Comparison, Reduced, reduce, replay, verify};
+use super::output::{progress, say, warning};
+use crate::check::{
+    Capture, CaptureError, Comparison, Participant, Reduced, reduce, replay, verify,
+};
 use gibs_graph::{Backend, StageInfo};
 use gibs_passes::stages;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Run a captured stage alone, compare with what was captured, and time it; exit 1 on a difference
+/// Run a captured stage alone, compare with what was captured, and time it; exit 1 where it differs from what the first
+/// participant of the capture made
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// File that `gibs check --report` or `gibs bisect` has written
@@ -25,7 +28,12 @@ pub struct Args {
     #[arg(long, value_name = "F.npz")]
     reduce: Option<PathBuf>,
     /// Backend whose values count while reducing
-    #[arg(long, value_name = "BACKEND", default_value = "cpu-scalar")]
+    #[arg(
+        long,
+        value_name = "BACKEND",
+        default_value = "cpu-scalar",
+        requires = "reduce"
+    )]
     against: Way,
     /// Most candidates that are tried while reducing
     #[arg(long, value_name = "N", default_value_t = 4000)]
@@ -125,13 +133,20 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         false => tell(&summary)?,
     }
     // What the first participant made is the oracle's.
-    let oracle = capture.results.first().map(|origin| origin.lane.as_str());
+    let Some(oracle) = capture.results.first() else {
+        warning!(
+            "{} holds no results to compare with",
+            args.capture.display()
+        );
+        return Ok(());
+    };
     let mut ports = summary.against.iter();
-    match ports.any(|port| Some(port.lane.as_str()) == oracle && port.refused > 0) {
+    match ports.any(|port| port.lane == oracle.lane && port.refused > 0) {
         false => Ok(()),
         true => Err(CommandError::Replay {
             stage: summary.stage,
             backend: summary.backend,
+            oracle: oracle.lane.clone(),
         }),
     }
 }
@@ -167,14 +182,22 @@ fn shrink(
     }
     let bar = progress(u64::from(args.tries), "candidates");
     let Reduced {
-        capture,
+        mut capture,
         nonzero,
         tried,
     } = reduce(capture, args.tries, |candidate| {
         bar.inc(1);
-        differ(candidate)
+        // A stage may be unable to run on zeros in place of, say, a tree; that is no smaller case of the difference.
+        Ok::<_, CaptureError>(differ(candidate).unwrap_or(false))
     })?;
     bar.finish_and_clear();
+    for (name, backend) in [
+        (args.against.name(), other.as_ref()),
+        (args.backend.name(), backend),
+    ] {
+        let outputs = replay(&capture, stages, backend, 1)?.outputs;
+        capture.add_results(Participant::named(name, backend), outputs);
+    }
     capture.write(file)?;
     Ok(Shrunk {
         file: file.into(),

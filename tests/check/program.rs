@@ -118,8 +118,8 @@ fn what_cannot_be_compared_is_refused() {
 #[test]
 fn expectations_that_are_not_met_fail() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("expectations.toml");
-    let check = |text: &str| {
-        std::fs::write(&file, text).expect("written");
+    let check = |list: &str| {
+        std::fs::write(&file, list).expect("written");
         gibs(&[
             "check",
             "cornell",
@@ -177,4 +177,59 @@ fn replay_refuses_what_is_no_capture() {
     assert_eq!(code(&output), Some(2));
     assert!(text(&output.stderr).contains("no capture"));
     assert!(Capture::read(&file).is_err());
+}
+
+/// A list that names what there is not would never be found wrong.
+#[test]
+fn expectations_name_what_there_is() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("check-expectations");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("expected.toml");
+    let check = |list: &str| {
+        std::fs::write(&file, list).expect("written");
+        gibs(&[
+            "check",
+            "cornell",
+            "--stage",
+            "gap_fill",
+            "--frames",
+            "1",
+            "--size",
+            "16x9",
+            "--backends",
+            "cpu-scalar,cpu",
+            "--json",
+            "--expectations",
+            file.to_str().expect("a name"),
+        ])
+    };
+    let entry = |device: &str, stage: &str, more: &str| {
+        format!(
+            "[[expected]]\ndevice = \"{device}\"\nstage = \"{stage}\"\nreason = \"a test\"\n{more}"
+        )
+    };
+    for (list, problem) in [
+        (entry("", "GapFill", ""), "`device` is empty"),
+        (
+            entry("x", "gap_fill", ""),
+            "no stage has the type name `gap_fill`",
+        ),
+        (
+            entry("x", "GapFill", "port = \"points\""),
+            "writes no port `points`",
+        ),
+        (
+            entry("x", "GapFill", "backend = \"cuda\""),
+            "no backend is called `cuda`",
+        ),
+    ] {
+        let output = check(&list);
+        assert_eq!(code(&output), Some(2), "{problem}");
+        let said = text(&output.stderr);
+        assert!(said.contains(problem), "{said}");
+    }
+    let output = check(&entry("gibs", "GapFill", ""));
+    assert_eq!(code(&output), Some(1), "what is expected does not come");
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(summary["unmet"][0]["stage"], "GapFill");
 }

@@ -264,7 +264,7 @@ impl Programs {
         let twins = said
             .lines()
             .filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next())
-            .last();
+            .next_back();
         Ok(Self {
             gibs: root.join("target/mutation/target/release/gibs"),
             twins: twins.ok_or("cargo names no test program")?.into(),

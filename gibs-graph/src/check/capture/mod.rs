@@ -142,7 +142,7 @@ impl Capture {
     }
 
     /// Adds what a participant made, in the order of [`Capture::written`].
-    pub(crate) fn add_results(&mut self, participant: Participant<'_>, outputs: Vec<Vec<u8>>) {
+    pub fn add_results(&mut self, participant: Participant<'_>, outputs: Vec<Vec<u8>>) {
         let device = participant.backend.device();
         self.results.push(Origin {
             lane: participant.name.into(),
