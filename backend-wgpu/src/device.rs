@@ -30,7 +30,8 @@ pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
     let info = describe(&adapter.get_info(), adapter.features());
     let mut features = Features::TIMESTAMP_QUERY & adapter.features();
     if options.same_spirv {
-        if !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {
+        let is_vulkan = adapter.get_info().backend == wgpu::Backend::Vulkan;
+        if !is_vulkan || !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {
             let reason = format!(
                 "the device `{}` takes no SPIR-V (wgpu feature PASSTHROUGH_SHADERS)",
                 info.name

@@ -101,10 +101,12 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         return Err(format!("without a mutant, {how} fails").into());
     }
     // What lies within a chosen expression is not written, so ask the files.
-    let written = written(&tree, &sources)?;
+    let written: Vec<usize> = written(&tree, &sources)?.into_iter().collect();
+    let count = most.min(written.len());
+    let spread = (0..count).map(|n| written[n * written.len() / count]);
     let mut caught: BTreeMap<&str, u32> = BTreeMap::new();
     let mut survived = 0;
-    for &n in written.iter().take(most) {
+    for n in spread {
         let (file, Found { what, line }) = &all[n];
         match programs.catches(n)? {
             Some(how) => *caught.entry(how).or_default() += 1,

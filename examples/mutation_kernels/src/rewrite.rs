@@ -203,6 +203,10 @@ impl VisitMut for Writer<'_> {
             ) {
                 let what = format!("no `{name}`");
                 if let Some(n) = self.next(what, line(call.method.span())) {
+                    // Candidates within are counted all the same, so that numbers do not depend on what is chosen.
+                    let outside = std::mem::replace(&mut self.within, true);
+                    visit_mut::visit_stmt_mut(self, statement);
+                    self.within = outside;
                     let old = statement.clone();
                     *statement = syn::parse_quote!(if !crate::mutant(#n) { #old });
                     return;

@@ -5,9 +5,7 @@ mod walk;
 
 use alternatives::{alternatives, literals};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{
-    BinaryOperator, Expression, Function, Handle, Literal, Module, Span, Statement, TypeInner,
-};
+use naga::{Expression, Function, Handle, Module, Span, Statement};
 use prepare::{bound_loops, leave_names_to_globals};
 use std::collections::BTreeSet;
 use walk::{drop_statement, swap_ways, used, visit, visit_spans};
@@ -166,12 +164,6 @@ impl Kernel {
 
     fn find(&self) -> Vec<Described> {
         let mut changes = Vec::new();
-        let mut counts = false;
-        for place in self.places() {
-            visit(&self.function(place).body, &mut |statement| {
-                counts |= matches!(statement, Statement::Atomic { .. });
-            });
-        }
         let mut constants = BTreeSet::new();
         for place in self.places() {
             let function = self.function(place);
@@ -186,9 +178,6 @@ impl Kernel {
                 }
                 let line = self.line(function.expressions.get_span(handle));
                 for (what, new) in alternatives(function, expression) {
-                    if self.is_equivalent(function, expression, &new) {
-                        continue;
-                    }
                     let change = Change::Expression(place, handle, new);
                     changes.push(Described {
                         what: format!("{name}: {what}: {line}"),
@@ -208,9 +197,6 @@ impl Kernel {
                     });
                 };
                 match statement {
-                    // What `&&` and `||` are lowered to writes this into a variable that is false already.
-                    Statement::Store { pointer, value } if is_false(function, *pointer, *value) => {
-                    }
                     Statement::Store { .. } | Statement::ImageStore { .. } => {
                         add("no store", Change::Drop(place, index));
                     }
@@ -221,8 +207,6 @@ impl Kernel {
                     Statement::Call { result: None, .. } => {
                         add("no call", Change::Drop(place, index));
                     }
-                    // A thread beyond the end does what the last one does, unless it counts.
-                    Statement::Return { value: None } if place == Place::Main && !counts => {}
                     // What naga has put where a function ends is in no line.
                     Statement::Return { value: None } if !line.is_empty() => {
                         add("no return", Change::Drop(place, index));
@@ -250,28 +234,6 @@ impl Kernel {
         changes
     }
 
-    /// Changes that change nothing, since what is beyond the end of a buffer is its last element: the bound of a guard
-    /// against the length, and the index into a buffer of which only the first element is used.
-    fn is_equivalent(&self, function: &Function, old: &Expression, new: &Expression) -> bool {
-        match (old, new) {
-            (
-                Expression::Binary { right, .. },
-                Expression::Binary {
-                    op: BinaryOperator::Greater | BinaryOperator::LessEqual,
-                    ..
-                },
-            ) => matches!(function.expressions[*right], Expression::ArrayLength(_)),
-            (Expression::AccessIndex { base, index: 0 }, Expression::AccessIndex { .. }) => {
-                let Expression::GlobalVariable(global) = function.expressions[*base] else {
-                    return false;
-                };
-                let ty = self.module.global_variables[global].ty;
-                matches!(self.module.types[ty].inner, TypeInner::Array { .. })
-            }
-            _ => false,
-        }
-    }
-
     /// The line of the source that something is from.
     fn line(&self, span: Span) -> String {
         let Some(range) = span.to_range() else {
@@ -291,17 +253,4 @@ fn function(module: &mut Module, place: Place) -> &mut Function {
         Place::Main => &mut module.entry_points[0].function,
         Place::Function(handle) => module.functions.get_mut(handle),
     }
-}
-
-/// A store of `false` into a variable that has no value yet.
-fn is_false(function: &Function, pointer: Handle<Expression>, value: Handle<Expression>) -> bool {
-    let Expression::LocalVariable(variable) = function.expressions[pointer] else {
-        return false;
-    };
-    let has_name = function.local_variables[variable].name.is_some();
-    let stores_false = matches!(
-        function.expressions[value],
-        Expression::Literal(Literal::Bool(false))
-    );
-    !has_name && stores_false
 }
