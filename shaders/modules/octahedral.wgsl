@@ -38,9 +38,10 @@ fn octahedral_unpack(bits: u32) -> vec3<f32> {
     return octahedral_decode(vec2<f32>(x, y));
 }
 
-/// Unit vector of the upper hemisphere (`z >= 0`) to `[0, 1]^2`.
+/// Unit vector of the upper hemisphere (`z >= 0`) to `[0, 1]^2`; nothing at all, which is what a direction straight down is
+/// clamped to, to the middle.
 fn octahedral_hemisphere_encode(d: vec3<f32>) -> vec2<f32> {
-    let sum = abs(d.x) + abs(d.y) + d.z;
+    let sum = max(abs(d.x) + abs(d.y) + d.z, 1e-30);
     let x = d.x / sum;
     let y = d.y / sum;
     return vec2<f32>((x + y) * 0.5 + 0.5, (x - y) * 0.5 + 0.5);

@@ -47,10 +47,11 @@ pub fn unpack(bits: u32) -> Vec3 {
     decode(Vec2::new(x, y))
 }
 
-/// Unit vector of the upper hemisphere (`z >= 0`) to `[0, 1]^2`.
+/// Unit vector of the upper hemisphere (`z >= 0`) to `[0, 1]^2`; nothing at all, which is what a direction straight down is
+/// clamped to, to the middle.
 #[inline]
 pub fn hemisphere_encode(d: Vec3) -> Vec2 {
-    let sum = d.x.abs() + d.y.abs() + d.z;
+    let sum = (d.x.abs() + d.y.abs() + d.z).max(1e-30);
     let (x, y) = (d.x / sum, d.y / sum);
     Vec2::new((x + y) * 0.5 + 0.5, (x - y) * 0.5 + 0.5)
 }
@@ -92,6 +93,11 @@ mod tests {
             let angle = unpack(pack(n)).cross(n).length();
             assert!(angle < 1e-4, "{n} is off by {angle}");
         }
+    }
+
+    #[test]
+    fn what_is_clamped_to_nothing_is_a_place_still() {
+        assert_eq!(hemisphere_encode(Vec3::ZERO), Vec2::splat(0.5));
     }
 
     #[test]

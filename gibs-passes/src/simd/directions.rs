@@ -75,6 +75,8 @@ pub fn unpack(bits: __m256) -> Lanes3 {
 pub fn hemisphere(d: &Lanes3) -> [__m256; 2] {
     let half = _mm256_set1_ps(0.5);
     let sum = _mm256_add_ps(_mm256_add_ps(magnitude(d[0]), magnitude(d[1])), d[2]);
+    // The second operand is taken where the first is not a number, as by `f32::max`.
+    let sum = _mm256_max_ps(sum, _mm256_set1_ps(1e-30));
     let (x, y) = (_mm256_div_ps(d[0], sum), _mm256_div_ps(d[1], sum));
     let unit = |s: __m256| _mm256_add_ps(_mm256_mul_ps(s, half), half);
     [unit(_mm256_add_ps(x, y)), unit(_mm256_sub_ps(x, y))]

@@ -129,7 +129,7 @@ twin! {
     hemisphere_encode ["octahedral::octahedral_hemisphere_encode"], (v: Vec3) -> Vec2,
     wgsl "octahedral_hemisphere_encode(v)",
     rust octahedral::hemisphere_encode(v),
-    draw |d| (d.upward(),),
+    draw |d| (d.upward() * (d.word() % 16).min(1) as f32,),
     bound ROUNDED,
 }
 twin! {
