@@ -274,7 +274,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let participants = [Participant::new(&cpu), Participant::new(&counting)];
     let options = CheckOptions::default();
     let report = check(&mut cases, &participants, &options, |_, _, _| {})?.report;
-    let gaps = report.gaps(&cases);
+    let gaps = report.gaps(&cases, &participants);
     let steps: usize = report.cases.iter().map(|case| case.steps.len()).sum();
     println!(
         "{steps} steps of {} frames: {:?}, {} gaps",

@@ -15,7 +15,7 @@
 //! let mut cases = cases(&[("cornell", &scene)], &Plan::default(), oracle.as_ref())?;
 //! let participants = [Participant::new(oracle.as_ref()), Participant::new(mine.as_ref())];
 //! let checked = check(&mut cases, &participants, &CheckOptions::default(), |_, _, _| {})?;
-//! assert!(checked.report.gaps(&cases).is_empty());
+//! assert!(checked.report.gaps(&cases, &participants).is_empty());
 //! assert!(checked.report.verdict() < Verdict::Differs);
 //! # Ok(())
 //! # }

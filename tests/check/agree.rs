@@ -44,7 +44,7 @@ fn every_stage_agrees_on_every_backend() {
         |_, _, _| {},
     );
     let report = checked.expect("every backend runs").report;
-    let gaps = report.gaps(&cases);
+    let gaps = report.gaps(&cases, &participants);
     assert!(gaps.is_empty(), "{gaps:?}");
     for (case, step, port, pair) in report.pairs() {
         assert!(

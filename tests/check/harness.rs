@@ -3,8 +3,8 @@ use crate::common::cpu;
 use crate::sabotage::{Damage, How, Sabotaged};
 use gibs::builtin;
 use gibs::check::{
-    Case, CheckError, CheckOptions, Checked, Expectation, Expectations, Participant, Plan, Verdict,
-    check, surfels,
+    Case, CheckError, CheckOptions, Checked, Expectation, Expectations, Gap, Participant, Plan,
+    Report, Verdict, check, surfels,
 };
 use gibs::graph::{Backend, Comparator};
 use gibs::passes::frame::Settings;
@@ -44,6 +44,16 @@ fn against(other: &dyn Backend) -> (Checked, [Case<'static>; 1]) {
     (checked, cases)
 }
 
+/// What a report of [`against`] leaves out.
+fn gaps(report: &Report, cases: &[Case<'_>]) -> Vec<Gap> {
+    let (oracle, other) = (scalar(), cpu());
+    let participants = [
+        Participant::named("cpu-scalar", &oracle),
+        Participant::new(other.as_ref()),
+    ];
+    report.gaps(cases, &participants)
+}
+
 fn sabotaged(stage: &'static str, port: &'static str, from: u32, how: How) -> Sabotaged {
     Sabotaged {
         inner: cpu(),
@@ -69,7 +79,7 @@ fn fails_at(stage: &'static str, port: &'static str, how: How) {
         assert!(pair.refused > 0);
     }
     assert_eq!(differs.len(), 1);
-    assert!(checked.report.gaps(&cases).is_empty());
+    assert!(gaps(&checked.report, &cases).is_empty());
     let [capture] = &checked.captures[..] else {
         panic!("{} captures", checked.captures.len());
     };
@@ -80,7 +90,7 @@ fn fails_at(stage: &'static str, port: &'static str, how: How) {
 fn a_sound_pair_passes() {
     let (checked, cases) = against(cpu().as_ref());
     assert_eq!(checked.report.verdict(), Verdict::Equal);
-    assert!(checked.report.gaps(&cases).is_empty());
+    assert!(gaps(&checked.report, &cases).is_empty());
     assert!(checked.captures.is_empty());
     println!("{} elements", checked.report.elements());
     assert!(checked.report.elements() > 100_000);
@@ -131,6 +141,25 @@ fn a_nan_on_both_backends_fails() {
 #[test]
 fn a_missing_output_fails() {
     fails_at("Compose", "color", How::Truncate);
+}
+
+/// What neither has is as missing.
+#[test]
+fn an_output_that_is_missing_on_both_backends_fails() {
+    let short = |inner: Box<dyn Backend>| Sabotaged {
+        inner,
+        ..sabotaged("Compose", "color", 0, How::Truncate)
+    };
+    let (a, b) = (short(Box::new(scalar())), short(cpu()));
+    let participants = [Participant::named("cpu-scalar", &a), Participant::new(&b)];
+    let checked = check(
+        &mut [case()],
+        &participants,
+        &CheckOptions::default(),
+        |_, _, _| {},
+    );
+    let report = checked.expect("it runs").report;
+    assert_eq!(report.verdict(), Verdict::Differs);
 }
 
 /// What was not written differs from what was, also where the frame before had written the same.
@@ -245,11 +274,11 @@ fn a_backend_is_not_compared_with_itself() {
 fn a_report_that_did_not_look_is_found_out() {
     let (checked, cases) = against(cpu().as_ref());
     let report = checked.report;
-    assert!(report.gaps(&cases).is_empty());
-    let gaps = |change: fn(&mut gibs::check::Report)| {
+    assert!(gaps(&report, &cases).is_empty());
+    let gaps = |change: fn(&mut Report)| {
         let mut changed = report.clone();
         change(&mut changed);
-        changed.gaps(&cases).len()
+        gaps(&changed, &cases).len()
     };
     assert!(gaps(|r| r.cases.clear()) > 0, "no case");
     assert!(
@@ -274,18 +303,24 @@ fn a_report_that_did_not_look_is_found_out() {
         "nothing"
     );
     assert!(
+        gaps(|r| r.cases[0].steps[7].ports[0].pairs[0].elements -= 1) > 0,
+        "not all elements"
+    );
+    assert!(gaps(|r| r.lanes.truncate(1)) > 0, "no reference");
+    assert!(gaps(|r| r.lanes.swap(0, 1)) > 0, "another reference");
+    assert!(
         gaps(|r| r.cases[0].steps[7].ports[0].pairs[0].refused = 1) > 0,
         "a wrong verdict"
     );
-    let loosened: fn(&mut gibs::check::Report) = |r| {
+    let loosened: fn(&mut Report) = |r| {
         r.cases[0].steps[7].ports[0].comparator = Comparator::scaled(17, "looser");
     };
     assert!(gaps(loosened) > 0, "a looser comparator");
-    let absolute: fn(&mut gibs::check::Report) = |r| {
+    let absolute: fn(&mut Report) = |r| {
         r.cases[0].steps[7].ports[0].comparator = Comparator::absolute(1e-9, "another kind");
     };
     assert!(gaps(absolute) > 0, "a comparator of another kind");
-    let tightened: fn(&mut gibs::check::Report) = |r| {
+    let tightened: fn(&mut Report) = |r| {
         r.cases[0].steps[7].ports[0].comparator = Comparator::exact("tighter");
     };
     assert_eq!(gaps(tightened), 0, "a tighter one is as good");
@@ -310,7 +345,7 @@ fn expected_differences_have_to_come() {
         };
         let mut report = checked.report.clone();
         let unmet = list.apply(&mut report).len();
-        assert!(report.gaps(&cases).is_empty());
+        assert!(gaps(&report, &cases).is_empty());
         (report.verdict(), unmet)
     };
     let known = expectation(&device.to_uppercase(), "Compose", Some("color"));

@@ -81,7 +81,7 @@ fn judged(close: usize, port: &'static str, damage: fn(&mut [u8])) -> (Verdict, 
         |_, _, _| {},
     );
     let report = checked.expect("it runs").report;
-    assert!(report.gaps(&cases).is_empty());
+    assert!(report.gaps(&cases, &participants).is_empty());
     let (.., pair) = report
         .pairs()
         .find(|(.., found, _)| found.port == port)
@@ -137,4 +137,11 @@ fn what_is_missing_is_never_undecided() {
     let nan: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&f32::NAN.to_ne_bytes());
     let (verdict, ..) = judged(1, "left", nan);
     assert_eq!(verdict, Verdict::Differs);
+}
+
+/// A number far from any that moved inputs give is no decision of a rounding.
+#[test]
+fn another_integer_is_no_decision() {
+    let other: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&1000_u32.to_ne_bytes());
+    assert_eq!(judged(1, "above", other), (Verdict::Differs, 0, 1));
 }

@@ -100,7 +100,8 @@ fn lockstep(recipe: &Recipe, compiler: &Compiler, participants: &[Participant<'_
             port.port
         );
     }
-    assert!(report.gaps(&cases).is_empty(), "{:?}", report.gaps(&cases));
+    let gaps = report.gaps(&cases, participants);
+    assert!(gaps.is_empty(), "{gaps:?}");
     report.elements()
 }
 

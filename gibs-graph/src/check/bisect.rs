@@ -42,8 +42,8 @@ pub enum Way {
     Accumulated,
 }
 
-/// Runs two backends on their own, from the same start, until what they keep from frame to frame differs by more than the
-/// comparators of the stages allow; then goes through that frame in lockstep, from what the first one had before it, and
+/// Runs two backends on their own, from the same start, until what steps have written last to a resource differs by more than
+/// their comparators allow, where elements have an order; then goes through that frame in lockstep, from what the first one had before it, and
 /// gives the first step that differs. `None` where they agree to the end.
 ///
 /// All frames up to the last one of the case are looked at. With `exact`, the first bit that differs counts, where elements have an order.
@@ -144,7 +144,7 @@ fn part(
             }
             let resource = &schedule.resources[written.resource as usize];
             let [x, y] = [a.read(written.resource)?, b.read(written.resource)?];
-            let found = compare(&resource.element, &comparator, &x, &y, &[]);
+            let found = compare(&resource.element, resource.len, &comparator, &x, &y, &[]);
             if let (false, Some(worst)) = (found.refused.is_empty(), found.worst) {
                 return Ok(Some(Parting {
                     frame: 0,

@@ -47,11 +47,12 @@ fn null_is_infinite<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D:
     Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
-/// Holds `b` against `a`, the bytes of elements of one layout. `lists` are those of [`Order::AnyWithin`].
+/// Holds `b` against `a`, the bytes of `len` elements of one layout. `lists` are those of [`Order::AnyWithin`].
 ///
-/// Bytes that one side lacks count as refused elements.
+/// Elements that one side lacks, or both, are refused.
 pub fn compare(
     element: &Layout,
+    len: u64,
     comparator: &Comparator,
     a: &[u8],
     b: &[u8],
@@ -59,7 +60,8 @@ pub fn compare(
 ) -> Comparison {
     let size = element.size() as usize;
     let leaves = leaves(element);
-    let (count, longest) = (a.len().min(b.len()) / size, a.len().max(b.len()) / size);
+    let count = a.len().min(b.len()) / size;
+    let longest = (a.len().max(b.len()) / size).max(len as usize);
     let in_order = comparator.order == Order::InOrder || a == b;
     let places: Option<[Vec<u32>; 2]> =
         (!in_order).then(|| [a, b].map(|bytes| sorted(bytes, size, count, comparator, lists)));
@@ -188,8 +190,8 @@ fn is_sound(leaf: &Leaf, element: &[u8]) -> bool {
     leaf.scalar != Scalar::F32 || bits == UNWRITTEN || f32::from_bits(bits).is_finite()
 }
 
-/// The difference of one number, if it is one.
-fn differ(
+/// The difference of one number, if it is one. `element` is the index that it is reported with.
+pub(super) fn differ(
     leaf: &Leaf,
     leaves: &[Leaf],
     comparator: &Comparator,
@@ -227,7 +229,9 @@ fn differ(
     };
     if !values.iter().all(|v| v.is_finite()) {
         let same = bits[0] == bits[1] && (comparator.non_finite || unwritten[0]);
-        let both_nan = comparator.non_finite && values.iter().all(|v| v.is_nan());
+        // Which NaN it is counts where every bit does.
+        let any_nan = comparator.non_finite && !comparator.is_exact();
+        let both_nan = any_nan && values.iter().all(|v| v.is_nan());
         let same = same || (both_nan && unwritten[0] == unwritten[1]);
         return (!same).then(|| said(shown(), f64::INFINITY, f64::INFINITY, true));
     }

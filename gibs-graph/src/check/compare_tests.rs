@@ -5,7 +5,15 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
 fn held<T: Element>(comparator: Comparator, a: &[T], b: &[T]) -> Comparison {
-    compare(&T::layout(), &comparator, cast_slice(a), cast_slice(b), &[])
+    let len = a.len().max(b.len()) as u64;
+    compare(
+        &T::layout(),
+        len,
+        &comparator,
+        cast_slice(a),
+        cast_slice(b),
+        &[],
+    )
 }
 
 fn next(x: f32, ulps: u32) -> f32 {
@@ -151,7 +159,14 @@ fn order_is_forgotten_within_lists_only() {
     let lists = (LISTS.of)(&ports);
     let held = |b: &[u32]| {
         let a: &[u32] = &[1, 2, 3, 4, 5];
-        compare(&layout, &within, cast_slice(a), cast_slice(b), &lists)
+        compare(
+            &layout,
+            a.len() as u64,
+            &within,
+            cast_slice(a),
+            cast_slice(b),
+            &lists,
+        )
     };
     assert!(held(&[2, 1, 4, 3, 5]).refused.is_empty());
     assert!(!held(&[1, 3, 2, 4, 5]).refused.is_empty());
@@ -159,7 +174,16 @@ fn order_is_forgotten_within_lists_only() {
     // The last list does not fit.
     let lists = [0..2, 3..6];
     let a: &[u32] = &[1, 2, 3, 4, 5];
-    let held = |b: &[u32]| compare(&layout, &within, cast_slice(a), cast_slice(b), &lists);
+    let held = |b: &[u32]| {
+        compare(
+            &layout,
+            a.len() as u64,
+            &within,
+            cast_slice(a),
+            cast_slice(b),
+            &lists,
+        )
+    };
     assert!(held(&[2, 1, 3, 6, 7]).refused.is_empty());
     assert!(!held(&[2, 1, 4, 6, 7]).refused.is_empty());
 }

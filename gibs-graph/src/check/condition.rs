@@ -1,8 +1,8 @@
 //! How far the outputs of a stage move when its inputs move by one rounding.
-use super::compare::UNWRITTEN;
+use super::compare::{UNWRITTEN, differ};
 use super::isolate::Isolated;
 use super::leaves::leaves;
-use crate::{Backend, BackendError, Layout, ResourceId, Scalar};
+use crate::{Backend, BackendError, Comparator, Layout, ResourceId, Scalar};
 
 /// Runs with moved inputs. Of a decision that half of them take the other way, one in 256 is missed.
 const RUNS: u32 = 8;
@@ -47,32 +47,37 @@ impl Condition {
         Ok(Self { outputs })
     }
 
-    /// Whether moved inputs change an element of a resource as much as `a` and `b` differ. `non_finite` says that
-    /// infinities and NaN are values.
+    /// Whether moved inputs change what the comparator refuses of an element of a resource as much as `a` and `b` differ.
     pub fn explains(
         &self,
         resource: ResourceId,
         element: &Layout,
         index: u64,
         [a, b]: [&[u8]; 2],
-        non_finite: bool,
+        comparator: &Comparator,
     ) -> bool {
         let outputs = &self.outputs[resource as usize];
         let first = index as usize * element.size() as usize;
-        leaves(element).iter().all(|leaf| {
+        let last = first + element.size() as usize;
+        let (Some(in_a), Some(in_b)) = (a.get(first..last), b.get(first..last)) else {
+            return false; // bytes that are missing have no reason
+        };
+        let leaves = leaves(element);
+        leaves.iter().all(|leaf| {
+            let found = differ(leaf, &leaves, comparator, [in_a, in_b], index as usize);
+            if found.is_none_or(|difference| !difference.refused) {
+                return true;
+            }
             let at = first + leaf.offset;
             let word = |bytes: &[u8]| {
                 let found = bytes.get(at..at + 4).and_then(|b| b.try_into().ok());
                 found.map(u32::from_ne_bytes)
             };
             let (Some(x), Some(y)) = (word(a), word(b)) else {
-                return false; // bytes that are missing have no reason
+                return false;
             };
             if x == y {
-                return non_finite
-                    || leaf.scalar != Scalar::F32
-                    || x == UNWRITTEN
-                    || f32::from_bits(x).is_finite();
+                return false; // no number on both
             }
             let Some((base, moved)) = outputs.split_first() else {
                 return false;
@@ -85,6 +90,8 @@ impl Condition {
                 let spread = moved
                     .iter()
                     .map(|&bits| (value(bits) - value(base)).abs())
+                    // An overflow on the way says nothing of values that did not.
+                    .filter(|apart| apart.is_finite())
                     .fold(0.0, f64::max);
                 return (p - q).abs() <= SPREAD * spread;
             }
@@ -95,7 +102,19 @@ impl Condition {
                     && y != UNWRITTEN
                     && moved.iter().flatten().any(|&bits| !is_number(bits));
             }
-            moved.iter().any(|&bits| bits != base)
+            let integer = |bits: u32| match leaf.scalar {
+                Scalar::I32 => f64::from(bits.cast_signed()),
+                _ => f64::from(bits),
+            };
+            let Some(base) = base.map(integer) else {
+                return false;
+            };
+            let spread = moved
+                .iter()
+                .flatten()
+                .map(|&bits| (integer(bits) - base).abs())
+                .fold(0.0, f64::max);
+            (integer(x) - integer(y)).abs() <= SPREAD * spread
         })
     }
 }

@@ -59,8 +59,10 @@ impl Judge<'_> {
     ) -> Result<u64, BackendError> {
         let element = &self.schedule.resources[written.resource as usize].element;
         let elements = (a.len() / element.size() as usize) as u64;
-        // More could not be excused anyway; and elements without an order have no counterpart in another run.
+        // More could not be excused anyway; where every bit counts, nothing is; and elements without an order have no
+        // counterpart in another run.
         if refused.len() as u64 > undecided_cap(elements)
+            || written.comparator.is_exact()
             || written.comparator.order != Order::InOrder
         {
             return Ok(0);
@@ -80,15 +82,7 @@ impl Judge<'_> {
         }
         let explained = |index: &&u64| {
             let found = condition.as_ref();
-            found.is_some_and(|c| {
-                c.explains(
-                    place,
-                    element,
-                    **index,
-                    [a, b],
-                    written.comparator.non_finite,
-                )
-            })
+            found.is_some_and(|c| c.explains(place, element, **index, [a, b], &written.comparator))
         };
         Ok(refused.iter().filter(explained).count() as u64)
     }

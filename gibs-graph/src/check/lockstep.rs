@@ -285,20 +285,17 @@ impl<'a> Lockstep<'a> {
                         .position(|p| p.name == name)
                         .unwrap_or_default()
                 });
-                let mut comparator = written.comparator;
+                // What the report says is what was used.
+                let mut comparator = port.comparator;
                 if pair.exact && comparator.order == Order::InOrder {
                     comparator.floats = crate::Floats::Exact;
                 }
-                let element = &schedule.resources[written.resource as usize].element;
-                let found = compare(element, &comparator, &lanes[a], &lanes[b], &lists);
+                let resource = &schedule.resources[written.resource as usize];
+                let [x, y] = [&lanes[a], &lanes[b]];
+                let found = compare(&resource.element, resource.len, &comparator, x, y, &lists);
                 let undecided = match found.refused.is_empty() || pair.exact {
                     true => 0,
-                    false => judge.undecided(
-                        &mut condition,
-                        &written,
-                        &found.refused,
-                        [&lanes[a], &lanes[b]],
-                    )?,
+                    false => judge.undecided(&mut condition, &written, &found.refused, [x, y])?,
                 };
                 if tally(pair, frame, found, undecided) {
                     differs.get_or_insert((a, b));

@@ -97,17 +97,23 @@ pub fn verify(
         let bytes = after.and_then(|i| expected.get(i)).unwrap_or(&buffer.bytes);
         ports.push(binding.port, &buffer.element, bytes);
     }
-    let writers = dispatch.ports.iter().filter(|port| port.access.writes());
-    writers
-        .enumerate()
-        .map(|(i, port)| {
+    let bound = dispatch.ports.iter().zip(&dispatch.bindings);
+    bound
+        .filter(|(port, _)| port.access.writes())
+        .map(|(port, binding)| {
             let lists = match port.comparator.order {
                 Order::AnyWithin(lists) => (lists.of)(&ports),
                 _ => Vec::new(),
             };
-            let nothing = Vec::new();
-            let [a, b] = [expected, found].map(|outputs| outputs.get(i).unwrap_or(&nothing));
-            let found = compare(&port.element, &port.comparator, a, b, &lists);
+            // The file's ports may stand in another order.
+            let place = written.iter().position(|&id| id == binding.resource);
+            let of = |outputs: &[Vec<u8>]| {
+                let bytes = place.and_then(|i| outputs.get(i));
+                bytes.cloned().unwrap_or_default()
+            };
+            let (a, b) = (of(expected), of(found));
+            let len = capture.buffers[binding.resource as usize].len;
+            let found = compare(&port.element, len, &port.comparator, &a, &b, &lists);
             (port.name.to_owned(), found)
         })
         .collect()

@@ -1,5 +1,5 @@
 //! What a check found, and whether it looked everywhere.
-use super::{Case, Difference};
+use super::{Case, Difference, Participant};
 use crate::{Comparator, DeviceInfo, Floats, Schedule};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -131,13 +131,21 @@ impl Report {
         self.pairs().map(|(.., pair)| pair.elements).sum()
     }
 
-    /// What is not as a complete check of these cases would have left it: a step, a port or a pair of participants that was
-    /// not compared in every frame, a comparator that is looser than the declared one, a verdict that the figures do not
-    /// bear out. Empty for a check that says what it seems to say.
+    /// What is not as a complete check of these cases on these participants would have left it: a step, a port or a pair of
+    /// participants of which not all elements were compared in every frame, a comparator that is looser than the declared one, a
+    /// verdict that the figures do not bear out. Empty for a check that says what it seems to say.
     ///
-    /// Asks the schedules what should have been compared, not the code that compared it.
-    pub fn gaps(&self, cases: &[Case<'_>]) -> Vec<Gap> {
+    /// Asks the schedules and the participants what should have been compared, not the code that compared it.
+    pub fn gaps(&self, cases: &[Case<'_>], participants: &[Participant<'_>]) -> Vec<Gap> {
         let mut gaps = Vec::new();
+        let names = participants.iter().map(|p| p.name);
+        if !names
+            .clone()
+            .eq(self.lanes.iter().map(|lane| lane.name.as_str()))
+        {
+            let problem = "other participants than took part";
+            gaps.push(Gap::new("", "", "", problem));
+        }
         for case in cases {
             match self
                 .cases
@@ -145,69 +153,80 @@ impl Report {
                 .filter(|report| report.name == case.name)
                 .collect::<Vec<_>>()[..]
             {
-                [report] => {
-                    self.gaps_of(report, &case.schedule, case.frames.len() as u32, &mut gaps)
-                }
+                [report] => gaps_of(
+                    report,
+                    &case.schedule,
+                    participants,
+                    case.frames.len() as u32,
+                    &mut gaps,
+                ),
                 _ => gaps.push(Gap::new(&case.name, "", "", "the case is not there once")),
             }
         }
         gaps
     }
+}
 
-    fn gaps_of(&self, report: &CaseReport, schedule: &Schedule, frames: u32, gaps: &mut Vec<Gap>) {
-        let steps: BTreeMap<usize, &StepReport> =
-            report.steps.iter().map(|step| (step.step, step)).collect();
-        for (i, step) in schedule.steps.iter().enumerate() {
-            let mut gap = |port: &str, problem: &str| {
-                gaps.push(Gap::new(&report.name, &step.label, port, problem));
-            };
-            let Some(found) = steps.get(&i) else {
-                gap("", "the step was not compared");
+fn gaps_of(
+    report: &CaseReport,
+    schedule: &Schedule,
+    participants: &[Participant<'_>],
+    frames: u32,
+    gaps: &mut Vec<Gap>,
+) {
+    let steps: BTreeMap<usize, &StepReport> =
+        report.steps.iter().map(|step| (step.step, step)).collect();
+    for (i, step) in schedule.steps.iter().enumerate() {
+        let mut gap = |port: &str, problem: &str| {
+            gaps.push(Gap::new(&report.name, &step.label, port, problem));
+        };
+        let Some(found) = steps.get(&i) else {
+            gap("", "the step was not compared");
+            continue;
+        };
+        for written in super::lockstep::written(step) {
+            let Some(port) = found.ports.iter().find(|port| port.port == written.port) else {
+                gap(written.port, "the port was not compared");
                 continue;
             };
-            for written in super::lockstep::written(step) {
-                let Some(port) = found.ports.iter().find(|port| port.port == written.port) else {
-                    gap(written.port, "the port was not compared");
-                    continue;
-                };
-                if is_looser(&port.comparator, &written.comparator) {
-                    gap(
-                        written.port,
-                        "the comparator is looser than the declared one",
-                    );
-                }
-                for (a, b) in self.expected_pairs() {
-                    let pair = port.pairs.iter().find(|pair| pair.a == a && pair.b == b);
-                    match pair {
-                        None => gap(written.port, &format!("{a} and {b} were not compared")),
-                        Some(pair) => {
-                            for problem in pair.inconsistencies(frames) {
-                                gap(written.port, &format!("{a} and {b}: {problem}"));
-                            }
+            if is_looser(&port.comparator, &written.comparator) {
+                gap(
+                    written.port,
+                    "the comparator is looser than the declared one",
+                );
+            }
+            let len = schedule.resources[written.resource as usize].len;
+            for (a, b) in pairs_of(participants) {
+                let pair = port.pairs.iter().find(|pair| pair.a == a && pair.b == b);
+                match pair {
+                    None => gap(written.port, &format!("{a} and {b} were not compared")),
+                    Some(pair) => {
+                        for problem in pair.inconsistencies(frames, len) {
+                            gap(written.port, &format!("{a} and {b}: {problem}"));
                         }
                     }
                 }
             }
         }
     }
+}
 
-    fn expected_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
-        let names = self.lanes.iter().map(|lane| lane.name.as_str());
-        names
-            .clone()
-            .enumerate()
-            .flat_map(move |(i, a)| names.clone().skip(i + 1).map(move |b| (a, b)))
-    }
+/// The names of every pair.
+fn pairs_of<'a>(participants: &'a [Participant<'_>]) -> impl Iterator<Item = (&'a str, &'a str)> {
+    let numbered = participants.iter().enumerate();
+    numbered.flat_map(move |(i, a)| participants[i + 1..].iter().map(|b| (a.name, b.name)))
 }
 
 impl PairReport {
-    fn inconsistencies(&self, frames: u32) -> Vec<String> {
+    /// `len` is the number of elements of the port.
+    fn inconsistencies(&self, frames: u32, len: u64) -> Vec<String> {
         let mut found = Vec::new();
         if self.frames != frames {
             found.push(format!("compared in {} of {frames} frames", self.frames));
         }
-        if self.elements == 0 {
-            found.push("nothing was compared".into());
+        let all = u64::from(frames) * len;
+        if self.elements != all {
+            found.push(format!("compared {} of {all} elements", self.elements));
         }
         let bears_out = match self.verdict {
             Verdict::Equal => self.unequal + self.undecided + self.refused == 0,
@@ -225,7 +244,7 @@ impl PairReport {
 /// Something that a check did not look at.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Gap {
-    /// Case.
+    /// Case; empty for the whole report.
     pub case: String,
     /// Step; empty for the whole case.
     pub step: String,

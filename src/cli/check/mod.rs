@@ -1,0 +1,229 @@
+//! `gibs check`: every stage on every backend, from equal inputs.
+mod expectations;
+mod participants;
+mod table;
+
+use super::CommandError;
+use super::output::{prepare_folder, progress, say, warning};
+use super::scene::{Loaded, SceneArgs};
+use crate::builtin;
+use crate::check::{
+    Capture, Case, CheckOptions, Expectations, Participant, Plan, Verdict, cases, check, html,
+};
+use crate::view::View;
+use gibs_passes::scene::Scene;
+use gibs_passes::stages;
+use participants::{Opened, open};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use table::{Summary, tell};
+
+pub use participants::Way;
+
+/// Run every stage on every backend from equal inputs and report what differs; exit 1 on a difference
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// .gltf or .glb files, or built-in scenes [default: all built-in scenes]
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Participants, the first of which the others go on from: cpu-scalar, cpu, cpu-checked, vulkan, wgpu
+    /// [default: all that this machine has but cpu-checked]
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    backends: Vec<Way>,
+    /// Give wgpu and Vulkan the same SPIR-V words, and ask for equal bits of them
+    #[arg(long)]
+    same_spirv: bool,
+    /// Only steps and stages of which the name contains this
+    #[arg(long, value_name = "NAME")]
+    stage: Option<String>,
+    /// Compare the first N frames, instead of some early and some later ones up to the 77th
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Width and height of the pictures
+    #[arg(long, value_name = "WxH", default_value = "48x27", value_parser = super::scene::size)]
+    size: [u32; 2],
+    /// Also the optional frames of every scene, not of the first alone
+    #[arg(long)]
+    all: bool,
+    /// Camera, sun, sky and animation of the scenes that are files
+    #[arg(long, value_name = "V.json")]
+    view: Option<PathBuf>,
+    /// Known differences (TOML); one that does not come is an error too
+    #[arg(long, value_name = "FILE")]
+    expectations: Option<PathBuf>,
+    /// Write report.html, report.json and captures of differences here
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), CommandError> {
+    let expectations = match &args.expectations {
+        Some(file) => expectations::load(file)?,
+        None => Expectations::default(),
+    };
+    if let Some(folder) = &args.report {
+        prepare_folder(folder, "report.html")?;
+    }
+    let Opened {
+        backends,
+        not_run,
+        same_spirv,
+    } = open(args)?;
+    let participants: Vec<Participant<'_>> = backends
+        .iter()
+        .map(|(name, backend)| Participant::named(name, backend.as_ref()))
+        .collect();
+    let mut options = CheckOptions {
+        stage: args.stage.clone(),
+        captures: 16,
+        ..CheckOptions::default()
+    };
+    if same_spirv {
+        options.exact.push(("vulkan".into(), "wgpu".into()));
+    }
+    let scenes = load(args)?;
+    let named: Vec<(&str, &(Scene, View))> = scenes
+        .iter()
+        .map(|(name, scene)| (name.as_str(), scene))
+        .collect();
+    let usual = Plan::default();
+    let plan = Plan {
+        size: args.size,
+        frames: args.frames.map_or(usual.frames, |n| (0..n).collect()),
+        all: args.all,
+        ..usual
+    };
+    let oracle = participants.first().map(|p| p.backend);
+    let mut cases = match oracle {
+        Some(oracle) => cases(&named, &plan, oracle)?,
+        None => Vec::new(),
+    };
+    let bar = progress((cases.len() * plan.frames.len()) as u64, "frames");
+    let mut checked = check(&mut cases, &participants, &options, |_, _, _| bar.inc(1))?;
+    bar.finish_and_clear();
+    let unmet = expectations.apply(&mut checked.report);
+    if args.view.is_some()
+        && scenes
+            .iter()
+            .all(|(name, _)| builtin::by_name(name).is_some())
+    {
+        warning!("--view is for scenes that are files; built-in ones have views of their own");
+    }
+    let mut gaps = checked.report.gaps(&cases, &participants);
+    if args.stage.is_some() {
+        // Asked for a part of the steps, it leaves the others out.
+        gaps.retain(|gap| gap.step.is_empty() || !gap.port.is_empty());
+    }
+    let unrun = stages_not_run(&cases);
+    let captures = match &args.report {
+        Some(folder) => write_captures(folder, &checked.captures)?,
+        None => Vec::new(),
+    };
+    let summary = Summary {
+        verdict: checked.report.verdict(),
+        not_run: &not_run,
+        stages_not_run: &unrun,
+        gaps: &gaps,
+        unmet: &unmet,
+        report: &checked.report,
+        captures: &captures,
+    };
+    let json = serde_json::to_string_pretty(&summary).unwrap_or_default();
+    if let Some(folder) = &args.report {
+        let compact = serde_json::to_string(&summary).unwrap_or_default();
+        super::output::write_text(&folder.join("report.json"), &compact)?;
+        super::output::write_text(
+            &folder.join("report.html"),
+            &html(&checked.report, &checked.captures, &unmet, args.size),
+        )?;
+    }
+    match args.json {
+        true => say!("{json}"),
+        false => tell(&summary)?,
+    }
+    for missing in &not_run {
+        warning!("not run: {}: {}", missing.name, missing.reason);
+    }
+    for expectation in &unmet {
+        warning!(
+            "`{}` on `{}` is expected to differ and did not: {}; take it off the list",
+            expectation.stage,
+            expectation.device,
+            expectation.reason
+        );
+    }
+    let differences = checked
+        .report
+        .pairs()
+        .filter(|(.., p)| p.verdict == Verdict::Differs)
+        .count();
+    match differences + gaps.len() + unmet.len() {
+        0 => Ok(()),
+        _ => Err(CommandError::Check {
+            differences,
+            gaps: gaps.len(),
+            unmet: unmet.len(),
+        }),
+    }
+}
+
+/// A scene by the name that it was asked for.
+type Named = (String, (Scene, View));
+
+fn load(args: &Args) -> Result<Vec<Named>, CommandError> {
+    let mut scenes = Vec::new();
+    if args.scenes.is_empty() {
+        for (name, _) in builtin::names() {
+            if let Some(scene) = builtin::by_name(name) {
+                scenes.push(((*name).to_owned(), scene));
+            }
+        }
+    }
+    for scene in &args.scenes {
+        let is_file = builtin::by_name(scene).is_none();
+        let Loaded {
+            scene: loaded,
+            view,
+            ..
+        } = SceneArgs {
+            scene: scene.clone(),
+            view: args.view.clone().filter(|_| is_file),
+            size: None,
+        }
+        .load()?;
+        scenes.push((scene.clone(), (loaded, view)));
+    }
+    Ok(scenes)
+}
+
+fn stages_not_run(cases: &[Case<'_>]) -> Vec<&'static str> {
+    let run: BTreeSet<&str> = cases
+        .iter()
+        .flat_map(|case| {
+            case.schedule
+                .dispatches()
+                .map(|(.., dispatch)| dispatch.stage)
+        })
+        .collect();
+    let all = stages::all().into_iter().map(|stage| stage.name);
+    all.filter(|name| !run.contains(name)).collect()
+}
+
+/// Writes captures under names of their steps.
+fn write_captures(folder: &Path, captures: &[Capture]) -> Result<Vec<PathBuf>, CommandError> {
+    let mut files = Vec::new();
+    for capture in captures {
+        let plain: String = format!("{}-{}", capture.case, capture.label)
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .collect();
+        let file = folder.join(format!("{plain}-{}.npz", capture.frame));
+        capture.write(&file)?;
+        files.push(file);
+    }
+    Ok(files)
+}
