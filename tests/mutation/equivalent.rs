@@ -1,6 +1,7 @@
 //! Mutants that do what the kernel does, so that nothing could tell them from it.
 //!
-//! Each is one that survived and was then shown, by its reason here, to give the same results in all frames that this library builds. They do not count as survivors. One that is caught all the same is an error of this list.
+//! Each is one that survived and was then shown, by its reason here, to give the same results in all frames that this
+//! library builds. They do not count as survivors. One that is caught all the same is an error of this list.
 
 /// Mutants with one reason.
 struct Equivalent {
@@ -13,7 +14,7 @@ struct Equivalent {
     reason: &'static str,
 }
 
-const EQUIVALENT: [Equivalent; 22] = [
+const EQUIVALENT: [Equivalent; 34] = [
     Equivalent {
         kernels: &["*"],
         what: "octahedral_fold: Multiply to Divide",
@@ -155,6 +156,78 @@ const EQUIVALENT: [Equivalent; 22] = [
         what: "trace_walk: U32(0) to U32(1)",
         line: "(triangle.material_flags & TRACE_ALPHA_TEST) == 0u",
         reason: "all triangles are asked whether they stop the ray, and those without an alpha test do",
+    },
+    Equivalent {
+        kernels: &["*"],
+        what: "main: index 0 to 1",
+        line: "counters[0]",
+        reason: "there is one element, and what is beyond the end is the last one",
+    },
+    Equivalent {
+        kernels: &["*"],
+        what: "main: index 0 to 1",
+        line: "total[0]",
+        reason: "there is one element, and what is beyond the end is the last one",
+    },
+    Equivalent {
+        kernels: &["trace_closest*", "trace_any*"],
+        what: "intersect_triangle: Multiply to Divide",
+        line: "* turn",
+        reason: "the factor is 1 or -1",
+    },
+    Equivalent {
+        kernels: &["trace_*"],
+        what: "trace_walk: index 0 to 1",
+        line: "near = entry.x;",
+        reason: "only leaves of the top level ask for it, and this one is of a bottom level",
+    },
+    Equivalent {
+        kernels: &["*"],
+        what: "lookup_gather: Bool(true) to Bool(false)",
+        line: "if weight <= 0.0 || light[id].trust == 0.0 {",
+        reason: "a surfel of no weight is left out two lines on, as one of too little",
+    },
+    Equivalent {
+        kernels: &["*"],
+        what: "grid_high: Greater to GreaterEqual",
+        line: "x > 0.0",
+        reason: "nothing divided by either is nothing",
+    },
+    Equivalent {
+        kernels: &["*"],
+        what: "grid_cell: Less to LessEqual",
+        line: "axes.x < 0.0",
+        reason: "it is the longest component of a place outside the centre cube, and not 0",
+    },
+    Equivalent {
+        kernels: &["reference_accumulate*"],
+        what: "meet: U32(0) to U32(1)",
+        line: "(point.albedo_b_flags & SURFACE_EMITTER) != 0u",
+        reason: "what does not emit is then asked for its density as well, which is none",
+    },
+    Equivalent {
+        kernels: &["reference_remaining"],
+        what: "main: no store",
+        line: "atomicStore(&unfinished, 0u);",
+        reason: "WGSL promises that workgroup memory begins as zeros, and the SPIR-V asks for it",
+    },
+    Equivalent {
+        kernels: &["sum_clamped"],
+        what: "main: U32(0) to U32(1)",
+        line: "if lane == 0u {",
+        reason: "another thread writes the same",
+    },
+    Equivalent {
+        kernels: &["debug_surfels with irradiance, offsets"],
+        what: "constant LEAST_DISTANCE",
+        line: "",
+        reason: "the view of radii binds none of these",
+    },
+    Equivalent {
+        kernels: &["share_irradiance*"],
+        what: "main: Greater to GreaterEqual",
+        line: "if said.trust > 0.0 {",
+        reason: "of neighbours that say nothing, the light is what `integrate` has just written",
     },
 ];
 

@@ -40,6 +40,15 @@ pub(super) fn enriched((scene, view): &(Scene, View)) -> (Scene, View) {
     (scene, view)
 }
 
+/// The same scene without lights, under a sky with a small sun, with whatever emits in it.
+pub(super) fn under_sky((scene, view): &(Scene, View)) -> (Scene, View) {
+    let (mut scene, mut view) = (scene.clone(), view.clone());
+    scene.lights.clear();
+    view.sun = None;
+    view.environment = sky();
+    (scene, view)
+}
+
 /// A sky with a small sun.
 pub(super) fn sky() -> Environment {
     guiding::built_in("sun").map_or_else(Environment::default, Environment::Map)

@@ -6,7 +6,7 @@ mod programs;
 use crate::Gi;
 use crate::renderer::RenderError;
 use crate::view::View;
-use enriched::enriched;
+use enriched::{enriched, under_sky};
 use gibs_graph::check::{Case, Upload, UploadLog};
 use gibs_graph::{Backend, BackendError, Schedule};
 use gibs_passes::data::SurfacePoint;
@@ -116,7 +116,6 @@ pub fn cases(
         let plain = Settings {
             depth: false,
             steering: false,
-            emitters: false,
             geometric_normals: true,
             continuations: 0,
             // Less than the lists of some cells hold.
@@ -127,7 +126,7 @@ pub fn cases(
         };
         cases.push(imported(
             &format!("{name}, imported"),
-            scene,
+            &under_sky(scene),
             plan,
             &plain,
             oracle,

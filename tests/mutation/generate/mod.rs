@@ -5,10 +5,10 @@ mod walk;
 
 use alternatives::{alternatives, literals};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{Expression, Function, Handle, Module, Span, Statement};
+use naga::{Expression, Function, Handle, Literal, Module, Span, Statement};
 use prepare::{bound_loops, leave_names_to_globals};
 use std::collections::BTreeSet;
-use walk::{drop_statement, swap_ways, used, visit, visit_spans};
+use walk::{drop_statement, repeated, swap_ways, used, visit, visit_spans};
 
 /// One change to a kernel.
 #[derive(Clone, Debug)]
@@ -187,6 +187,7 @@ impl Kernel {
                 }
             }
             let mut index = 0;
+            let repeated = repeated(&function.body);
             visit_spans(&function.body, &mut |statement, span| {
                 let line = self.line(span);
                 let mut add = |what: &str, change| {
@@ -197,6 +198,9 @@ impl Kernel {
                     });
                 };
                 match statement {
+                    // Outside loops, what `&&` is lowered to writes this into a variable that is false already.
+                    Statement::Store { pointer, value }
+                        if is_false(function, *pointer, *value) && !repeated.contains(&index) => {}
                     Statement::Store { .. } | Statement::ImageStore { .. } => {
                         add("no store", Change::Drop(place, index));
                     }
@@ -253,4 +257,17 @@ fn function(module: &mut Module, place: Place) -> &mut Function {
         Place::Main => &mut module.entry_points[0].function,
         Place::Function(handle) => module.functions.get_mut(handle),
     }
+}
+
+/// A store of `false` into a variable that has no value yet.
+fn is_false(function: &Function, pointer: Handle<Expression>, value: Handle<Expression>) -> bool {
+    let Expression::LocalVariable(variable) = function.expressions[pointer] else {
+        return false;
+    };
+    let has_name = function.local_variables[variable].name.is_some();
+    let stores_false = matches!(
+        function.expressions[value],
+        Expression::Literal(Literal::Bool(false))
+    );
+    !has_name && stores_false
 }

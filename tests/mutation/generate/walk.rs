@@ -84,6 +84,24 @@ pub fn visit_spans(block: &Block, seen: &mut impl FnMut(&Statement, Span)) {
     }
 }
 
+/// The statements that are within a loop, by their numbers.
+pub fn repeated(block: &Block) -> BTreeSet<usize> {
+    let (mut index, mut found) = (0, BTreeSet::new());
+    visit(block, &mut |statement| {
+        if let Statement::Loop {
+            body, continuing, ..
+        } = statement
+        {
+            let mut inner = 0;
+            visit(body, &mut |_| inner += 1);
+            visit(continuing, &mut |_| inner += 1);
+            found.extend(index + 1..=index + inner);
+        }
+        index += 1;
+    });
+    found
+}
+
 /// The blocks within a statement, in the order in which they are visited.
 pub fn blocks(statement: &mut Statement) -> Vec<&mut Block> {
     match statement {
