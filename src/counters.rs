@@ -1,9 +1,9 @@
 //! What happened to the surfels, in numbers.
 use gibs_passes::data::ClampedLight;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Surfels and what happened to them; see [`Renderer::counters`](crate::Renderer::counters).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Counters {
     /// Surfels that live.
@@ -25,7 +25,7 @@ pub struct Counters {
 }
 
 /// What the firefly clamp took since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clamped {
     /// Share of the luminance that surfel rays brought, in `[0, 1]`.
     pub share: f32,

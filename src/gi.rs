@@ -9,8 +9,8 @@ use gibs_graph::{Executable, Graph, ResourceId, Schedule};
 use gibs_passes::data::{self, HostGbuffer};
 use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
-    DebugView, FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs, needs,
-    pixel_angle, surfel_frame, upload, upload_frame, upload_scene,
+    DebugView, FrameUpdate, Need, SceneSizes, Screen, Settings, SurfelFrame, SurfelOutputs,
+    Variant, needs, pixel_angle, surfel_frame, upload, upload_frame, upload_scene, variants,
 };
 use gibs_passes::scene::{Camera, Scene};
 use gibs_passes::shared::grid::GridLayout;
@@ -193,6 +193,43 @@ impl Gi {
     /// [`RenderError::Graph`].
     pub fn needs(&self) -> Result<Vec<Need>, RenderError> {
         Ok(needs(&self.plan.frame, &self.plan.sizes)?)
+    }
+
+    /// The needs of the frame, each switched, for [`Gi::variant`].
+    pub(crate) fn variants(&self) -> Vec<Variant> {
+        variants(&self.plan.frame, &self.plan.sizes)
+    }
+
+    /// The frame with a need switched, from the start and without what extends it. What a scene does not have of a need is
+    /// empty: a light without power, a black sky.
+    pub(crate) fn variant(&self, variant: &Variant) -> Result<Self, RenderError> {
+        self.with_plan(Plan {
+            frame: variant.frame.clone(),
+            sizes: variant.sizes,
+        })
+    }
+
+    /// The same from the start, without what extends it.
+    pub(crate) fn again(&self) -> Result<Self, RenderError> {
+        self.with_plan(self.plan.clone())
+    }
+
+    fn with_plan(&self, plan: Plan) -> Result<Self, RenderError> {
+        let (extend, shaders): (Box<Extend>, _) = (Box::new(|_, _| {}), Shaders::default());
+        Ok(Self {
+            schedule: Arc::new(plan.schedule(&extend, &shaders)?),
+            parts: Parts {
+                settings: plan.frame.settings.clone(),
+                ..self.parts.clone()
+            },
+            plan,
+            screen: self.screen,
+            seed: self.seed,
+            frame: 0,
+            begun: false,
+            extend,
+            shaders,
+        })
     }
 
     /// What a backend prepares.

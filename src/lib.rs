@@ -53,6 +53,7 @@ pub mod guiding;
 pub mod measure;
 pub mod picture;
 pub mod plot;
+pub mod profile;
 mod query;
 pub mod reference;
 pub mod renderer;

@@ -212,7 +212,11 @@ impl Renderer {
         extend: impl Fn(&mut Graph, SurfelOutputs) + Send + Sync + 'static,
     ) -> Result<Self, RenderError> {
         let gi = Gi::extended(scene, view, size, settings, Screen::Traced, extend)?;
-        let mut gi = gi.with_seed(seed);
+        Self::of(backend, gi.with_seed(seed), view)
+    }
+
+    /// Prepares a frame that is recorded.
+    pub(crate) fn of(backend: &dyn Backend, mut gi: Gi, view: &View) -> Result<Self, RenderError> {
         let mut exec = backend.prepare(Arc::clone(gi.schedule()))?;
         gi.upload_scene(exec.as_mut())?;
         Ok(Self {
@@ -227,10 +231,15 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn frame(&mut self) -> Result<(), RenderError> {
-        self.gi
-            .begin_frame(self.exec.as_mut(), &self.view.camera, None)?;
+        self.begin()?;
         self.exec.run()?;
         Ok(())
+    }
+
+    /// Begins the next frame and leaves its steps to the caller.
+    pub(crate) fn begin(&mut self) -> Result<(), RenderError> {
+        self.gi
+            .begin_frame(self.exec.as_mut(), &self.view.camera, None)
     }
 
     /// Looks from elsewhere from the next frame on. Everything that the surfels know stays. Where the camera has gone

@@ -43,12 +43,13 @@ impl CpuExecutable {
     fn frame(&mut self) -> Result<(), BackendError> {
         self.rotate()?;
         self.next_times.clear();
+        let began = self.measure.then(Instant::now);
         for step in 0..self.schedule.steps.len() {
-            let start = self.measure.then(Instant::now);
+            let start = began.map(|began| began.elapsed());
             self.step(step)?;
-            if let Some(start) = start {
-                let time = start.elapsed();
-                self.next_times.push(StepTime { step, time });
+            if let (Some(began), Some(start)) = (began, start) {
+                let time = began.elapsed().saturating_sub(start);
+                self.next_times.push(StepTime { step, start, time });
             }
         }
         if self.measure {

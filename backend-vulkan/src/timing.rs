@@ -118,16 +118,20 @@ impl Timer {
 /// Differences of neighbours, for counters of `bits` bits that tick every `period` nanoseconds.
 fn durations(stamps: &[u64], bits: u32, period: f32) -> Vec<StepTime> {
     let mask = u64::MAX.checked_shr(64 - bits.min(64)).unwrap_or(0);
+    let nanoseconds = |ticks: u64| Duration::from_nanos((ticks as f64 * f64::from(period)) as u64);
     let ticks = stamps
         .windows(2)
         .map(|pair| pair[1].wrapping_sub(pair[0]) & mask);
+    let mut before = 0_u64;
     ticks
         .enumerate()
         .map(|(step, ticks)| {
-            let nanoseconds = ticks as f64 * f64::from(period);
+            let start = nanoseconds(before);
+            before = before.wrapping_add(ticks);
             StepTime {
                 step,
-                time: Duration::from_nanos(nanoseconds as u64),
+                start,
+                time: nanoseconds(ticks),
             }
         })
         .collect()
@@ -155,6 +159,9 @@ mod tests {
                 .collect()
         };
         assert_eq!(nanoseconds(&[10, 15, 15], 64, 2.0), [10, 0]);
+        let starts = durations(&[0xffff_fff0, 0x10, 0x18, 0x20], 32, 2.0);
+        let starts: Vec<u128> = starts.iter().map(|t| t.start.as_nanos()).collect();
+        assert_eq!(starts, [0, 0x40, 0x50], "across the end of the counter");
         assert_eq!(
             nanoseconds(&[0xffff_fff0, 0x10], 32, 1.0),
             [0x20],

@@ -3,6 +3,11 @@ use crate::context::{Context, NAME, Owner};
 use gibs_graph::{BackendError, DeviceInfo};
 use wgpu::Features;
 
+/// What time per step is measured with, the first at least.
+const TIMING: Features = Features::TIMESTAMP_QUERY
+    .union(Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
+    .union(Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+
 /// How the backend runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
@@ -28,7 +33,7 @@ pub fn devices() -> Vec<DeviceInfo> {
 pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
     let adapter = choose(adapters(), options.adapter.as_deref())?;
     let info = describe(&adapter.get_info(), adapter.features());
-    let mut features = Features::TIMESTAMP_QUERY & adapter.features();
+    let mut features = TIMING & adapter.features();
     if options.same_spirv {
         let is_vulkan = adapter.get_info().backend == wgpu::Backend::Vulkan;
         if !is_vulkan || !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {

@@ -40,7 +40,7 @@ impl WgpuExecutable {
         // All kernels before any memory: what is wrong with them is the likelier and the cheaper failure.
         let steps = Steps::new(&context, &schedule)?;
         let stores = Stores::new(&context, &schedule, old)?;
-        let timer = Timer::new(&context, schedule.dispatches().map(|(i, ..)| i).collect())?;
+        let timer = Timer::new(&context, &schedule)?;
         Ok(Self {
             context,
             schedule,

@@ -9,17 +9,19 @@ use gibs_graph::DispatchSize;
 pub(crate) struct Recorder<'a> {
     pub stores: &'a Stores,
     pub parity: Parity,
-    /// Times every dispatch, if there is one.
+    /// Times the steps, if there is one.
     pub timer: Option<&'a Timer>,
 }
 
 impl Recorder<'_> {
     /// Records steps in order.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, steps: &[Step]) {
-        // A timed step has a pass of its own.
-        let together = |a: &Step, b: &Step| {
-            self.timer.is_none() && matches!((a, b), (Step::Dispatch(_), Step::Dispatch(_)))
-        };
+        let apart = self.timer.is_some_and(Timer::splits_passes);
+        let together =
+            |a: &Step, b: &Step| !apart && matches!((a, b), (Step::Dispatch(_), Step::Dispatch(_)));
+        if let Some((queries, query)) = self.timer.and_then(Timer::start) {
+            encoder.write_timestamp(queries, query);
+        }
         for run in steps.chunk_by(together) {
             self.run(encoder, run);
         }
@@ -29,9 +31,19 @@ impl Recorder<'_> {
     fn run(&self, encoder: &mut wgpu::CommandEncoder, run: &[Step]) {
         match run {
             [] => {}
-            [Step::Clear { resource, bytes }, ..] => {
+            [
+                Step::Clear {
+                    step,
+                    resource,
+                    bytes,
+                },
+                ..,
+            ] => {
                 if let Some(buffer) = self.stores.current(*resource, self.parity) {
                     encoder.clear_buffer(buffer, 0, Some(bytes.next_multiple_of(4)));
+                }
+                if let Some((queries, query)) = self.end(*step) {
+                    encoder.write_timestamp(queries, query);
                 }
             }
             [Step::Dispatch(first), ..] => {
@@ -42,10 +54,18 @@ impl Recorder<'_> {
                 for step in run {
                     if let Step::Dispatch(dispatch) = step {
                         self.dispatch(&mut pass, dispatch);
+                        if let Some((queries, query)) = self.end(dispatch.step) {
+                            pass.write_timestamp(queries, query);
+                        }
                     }
                 }
             }
         }
+    }
+
+    /// The query that the end of a step is written to.
+    fn end(&self, step: usize) -> Option<(&wgpu::QuerySet, u32)> {
+        self.timer?.end(step)
     }
 
     fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, dispatch: &Dispatch) {

@@ -18,7 +18,12 @@ pub(crate) struct Steps {
 
 /// A step with everything that recording it takes.
 pub(crate) enum Step {
-    Clear { resource: ResourceId, bytes: u64 },
+    Clear {
+        /// Index in the schedule.
+        step: usize,
+        resource: ResourceId,
+        bytes: u64,
+    },
     Dispatch(Box<Dispatch>),
 }
 
@@ -93,6 +98,7 @@ impl Steps {
             }
             steps.push(match &step.action {
                 &Action::Clear(resource) => Step::Clear {
+                    step: i,
                     resource,
                     bytes: schedule.resources[resource as usize].bytes,
                 },

@@ -274,8 +274,14 @@ fn time_is_measured_for_every_dispatch() {
     }
     let times = times.unwrap();
     let steps: Vec<usize> = times.iter().map(|t| t.step).collect();
+    // Clears have a time where the device writes timestamps outside of passes.
     let dispatches: Vec<usize> = run.schedule().dispatches().map(|(i, ..)| i).collect();
-    assert_eq!(steps, dispatches);
+    let all: Vec<usize> = (0..run.schedule().steps.len()).collect();
+    assert!(steps == all || steps == dispatches, "{steps:?}");
+    assert!(
+        times.is_sorted_by_key(|t| t.start) && times[0].start.is_zero(),
+        "{times:?}"
+    );
     // Counting 100000 numbers takes a while on any device; no stage takes minutes.
     assert!(times[0].time.as_nanos() > 0, "{times:?}");
     assert!(times.iter().all(|t| t.time.as_secs() < 60), "{times:?}");

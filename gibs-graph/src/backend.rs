@@ -118,6 +118,8 @@ pub trait Executable: Any + Send {
 pub struct StepTime {
     /// Index into [`Schedule::steps`].
     pub step: usize,
+    /// From the start of the frame's first measured step, by the clock that `time` is from.
+    pub start: Duration,
     /// From start to end on the device.
     pub time: Duration,
 }

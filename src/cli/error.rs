@@ -8,6 +8,7 @@ use crate::compare::CompareError;
 use crate::gltf_import::ImportError;
 use crate::measure::{PathError, StressError};
 use crate::picture::{PictureError, WriteError};
+use crate::profile::ProfileError;
 use crate::view::ViewError;
 use gibs_graph::BackendError;
 use gibs_passes::frame::SettingError;
@@ -87,6 +88,9 @@ pub enum CommandError {
     /// Reading a camera path.
     #[error(transparent)]
     Path(#[from] PathError),
+    /// Reading a profile.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
     /// A stress test.
     #[error(transparent)]
     Stress(#[from] StressError),

@@ -1,10 +1,11 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
-use super::output::{print, say, warning};
+use super::output::{print, progress, say, warning};
 use super::scene::{SceneArgs, SettingsArgs};
+use crate::backends::{self, Choice};
 use crate::gi::Gi;
-use gibs_passes::frame::{Need, Screen};
-use std::fmt::Write;
+use crate::profile::{saving_table, savings};
+use gibs_passes::frame::Screen;
 
 /// Show the stages that a scene's frame consists of
 #[derive(Clone, Debug, clap::Args)]
@@ -19,6 +20,12 @@ pub struct Args {
     /// Say what the scene and the settings need, and what that adds or saves
     #[arg(long, conflicts_with = "format")]
     why: bool,
+    /// With --why: also measure the time that is saved by what is left out, over so many frames
+    #[arg(long, value_name = "FRAMES", requires = "why", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    measure: Option<u32>,
+    /// Where to measure: auto, cpu, wgpu or vulkan
+    #[arg(long, default_value = "auto", requires = "measure")]
+    backend: Choice,
 }
 
 /// Runs the command.
@@ -36,7 +43,16 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         warning!("{warning}");
     }
     if args.why {
-        return print(&why(&gi.needs()?));
+        let backend = args.measure.map(|_| backends::open(args.backend));
+        let backend = backend.transpose()?;
+        let bar = progress(0, "measuring");
+        let on = backend.as_deref().zip(args.measure);
+        let savings = savings(&gi, &loaded.view, on, |done, of| {
+            bar.set_length(of.into());
+            bar.set_position(done.into());
+        });
+        bar.finish_and_clear();
+        return print(&saving_table(&savings?, true));
     }
     let schedule = gi.schedule();
     match args.format.as_str() {
@@ -45,29 +61,4 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         _ => print(&schedule.to_text())?,
     }
     Ok(())
-}
-
-/// Needs as text, those that are there first.
-fn why(needs: &[Need]) -> String {
-    let mut text = String::new();
-    for (present, title) in [(true, "needed"), (false, "left out")] {
-        for need in needs.iter().filter(|need| need.present == present) {
-            let megabytes = need.bytes as f64 / 1e6;
-            let count = need.stages.len();
-            let _ = writeln!(
-                text,
-                "{title}: {}, because of {}\n  {count} stages, {} bindings of others, {megabytes:.1} MB",
-                need.name,
-                need.reason,
-                need.bindings.len()
-            );
-            for stage in &need.stages {
-                let _ = writeln!(text, "    {stage}");
-            }
-            for binding in &need.bindings {
-                let _ = writeln!(text, "    {binding} (binding)");
-            }
-        }
-    }
-    text
 }

@@ -1,101 +1,267 @@
-//! `gibs profile`: time per stage.
+//! `gibs profile`: time, work and memory of every stage.
 use super::CommandError;
 use super::output::{say, warning};
-use super::scene::{SceneArgs, SettingsArgs};
-use crate::Renderer;
+use super::run::title;
+use super::scene::{Loaded, SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
+use crate::gi::Gi;
+use crate::picture::replace_file;
+use crate::profile::{
+    Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace, compare,
+    comparison_table, measure, saving_table, savings, table,
+};
+use gibs_graph::{Backend, Schedule};
+use gibs_passes::frame::{Screen, Settings};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// Measure the time of every stage
+/// Measure time, work and memory of every stage
+///
+/// Every run starts from an empty cache with an executable of its own; what runs differ by is the noise. Every other measured frame
+/// runs without timing its steps, which tells what timing costs.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// auto, cpu, wgpu or vulkan
-    #[arg(long, default_value = "auto")]
-    backend: Choice,
-    /// Frames to measure, after as many to warm up
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    /// auto, cpu, wgpu or vulkan; several are measured one after the other
+    #[arg(
+        long,
+        value_name = "BACKEND,..",
+        value_delimiter = ',',
+        default_value = "auto"
+    )]
+    backend: Vec<Choice>,
+    /// Frames of a run to measure
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     frames: u32,
+    /// Frames of a run before that
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    warm_up: u32,
+    /// Runs
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    runs: u32,
+    /// Seed of the first run's random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Print every step of the frame, not stages
+    #[arg(long)]
+    steps: bool,
+    /// Say what the scene and the settings need; of what is left out, also measure what that saves
+    #[arg(long)]
+    why: bool,
+    /// Compare with a profile that `--json` printed earlier
+    #[arg(long, value_name = "OLD.json")]
+    against: Option<PathBuf>,
+    /// Write the frames of the first run as a trace that Perfetto and Chrome open
+    #[arg(long, value_name = "F.json")]
+    trace: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// One step of the frame.
+/// A profile as JSON, with what is left out.
 #[derive(Debug, Serialize)]
-struct Row {
-    step: String,
-    median_ms: f64,
-    share: f64,
+struct Printed<'a> {
+    #[serde(flatten)]
+    profile: &'a Profile,
+    needs: &'a [Saving],
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
-    let backend = backends::open(args.backend)?;
+    let old = args.against.as_deref().map(Profile::read).transpose()?;
+    let backends = args.backend.iter().map(|&choice| backends::open(choice));
+    let backends = backends.collect::<Result<Vec<_>, _>>()?;
     let loaded = args.scene.load()?;
-    let mut renderer = Renderer::new(
-        backend.as_ref(),
+    let options = Options {
+        size: loaded.size,
+        runs: args.runs,
+        frames: args.frames,
+        warm_up: args.warm_up,
+        seed: args.seed,
+    };
+    let gi = Gi::new(
         &loaded.scene,
         &loaded.view,
         loaded.size,
         &settings,
-        0,
+        Screen::Traced,
     )?;
-    for warning in renderer.warnings() {
+    for warning in &gi.scene().warnings {
         warning!("{warning}");
     }
-    for _ in 0..args.frames {
-        renderer.frame()?;
-    }
-    renderer.executable().measure(true);
-    let steps = renderer.executable().schedule().steps.len();
-    let mut times = vec![Vec::new(); steps];
-    for _ in 0..args.frames {
-        renderer.frame()?;
-        for time in renderer.executable().timings()?.unwrap_or_default() {
-            times[time.step].push(time.time.as_secs_f64() * 1e3);
+    let mut all = Vec::new();
+    for backend in &backends {
+        let backend = backend.as_ref();
+        let (profile, frames) = profile(backend, args, &loaded, &settings, &options)?;
+        let needs = savings_of(backend, &gi, args, &loaded)?;
+        if !args.json {
+            say!("{}", table(&profile, args.steps));
+            say!("{}", told(&needs, args.why));
+            if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
+                let before = before(path, old, &profile)?;
+                let comparison = compare(&profile, before);
+                say!(
+                    "against {}\n{}",
+                    path.display(),
+                    comparison_table(&comparison, [profile.runs, before.runs])
+                );
+            }
         }
+        all.push((profile, needs, frames));
     }
-    let median = |times: &mut Vec<f64>| {
-        times.sort_by(f64::total_cmp);
-        times.get(times.len() / 2).copied().unwrap_or(0.0)
-    };
-    let medians: Vec<f64> = times.iter_mut().map(median).collect();
-    let total: f64 = medians.iter().sum();
-    let schedule = renderer.executable().schedule().clone();
-    let rows: Vec<Row> = schedule
-        .steps
-        .iter()
-        .zip(&medians)
-        .map(|(step, &median_ms)| Row {
-            step: step.label.clone(),
-            median_ms,
-            share: median_ms / total.max(1e-9),
-        })
-        .collect();
+    if let Some(path) = &args.trace {
+        write_trace(path, gi.schedule(), &all)?;
+    }
     if args.json {
+        let printed: Vec<_> = all
+            .iter()
+            .map(|(profile, needs, _)| Printed { profile, needs })
+            .collect();
         say!(
             "{}",
-            serde_json::to_string_pretty(&rows).unwrap_or_default()
-        );
-        return Ok(());
-    }
-    say!(
-        "{} on {}: {total:.2} ms a frame in {steps} steps",
-        backend.name(),
-        backend.device().name
-    );
-    for row in rows {
-        say!(
-            "{:>9.3} ms {:>5.1} %  {}",
-            row.median_ms,
-            row.share * 100.0,
-            row.step
+            serde_json::to_string_pretty(&printed).unwrap_or_default()
         );
     }
     Ok(())
+}
+
+/// Measures one backend, with a live table of groups on a terminal.
+fn profile(
+    backend: &dyn Backend,
+    args: &Args,
+    loaded: &Loaded,
+    settings: &Settings,
+    options: &Options,
+) -> Result<(Profile, Vec<TimedFrame>), CommandError> {
+    let mut live = Live::new(backend.name());
+    let measured = measure(
+        backend,
+        (&title(&args.scene), &loaded.scene),
+        &loaded.view,
+        settings,
+        options,
+        |progress| live.show(progress),
+    );
+    live.clear();
+    Ok(measured?)
+}
+
+/// What the needs cost; in time only where that was asked for.
+fn savings_of(
+    backend: &dyn Backend,
+    gi: &Gi,
+    args: &Args,
+    loaded: &Loaded,
+) -> Result<Vec<Saving>, CommandError> {
+    let on = args.why.then_some((backend, args.frames));
+    let bar = super::output::progress(0, "measuring what is left out");
+    let found = savings(gi, &loaded.view, on, |done, of| {
+        bar.set_length(of.into());
+        bar.set_position(done.into());
+    });
+    bar.finish_and_clear();
+    Ok(found?)
+}
+
+/// What is left out: a line, or all that is known of it.
+fn told(needs: &[Saving], why: bool) -> String {
+    if why {
+        return saving_table(needs, false);
+    }
+    let left_out = needs.iter().filter(|need| !need.present);
+    let told: Vec<String> = left_out
+        .map(|need| format!("{} ({:.1} MB)", need.name, need.bytes as f64 / 1e6))
+        .collect();
+    format!("left out: {}; --why measures the time\n", told.join(", "))
+}
+
+/// The older profile of the same backend; where the file has only one, that one.
+fn before<'a>(path: &Path, old: &'a [Profile], now: &Profile) -> Result<&'a Profile, ProfileError> {
+    let same = old.iter().find(|old| old.backend == now.backend);
+    match (same, old) {
+        (Some(same), _) => Ok(same),
+        (None, [only]) => Ok(only),
+        _ => Err(ProfileError::Backend {
+            path: path.to_owned(),
+            backend: now.backend.clone(),
+            found: old.iter().map(|old| old.backend.clone()).collect(),
+        }),
+    }
+}
+
+fn write_trace(
+    path: &Path,
+    schedule: &Arc<Schedule>,
+    all: &[(Profile, Vec<Saving>, Vec<TimedFrame>)],
+) -> Result<(), CommandError> {
+    let backends: Vec<_> = all
+        .iter()
+        .map(|(profile, _, frames)| {
+            (
+                profile.backend.as_str(),
+                schedule.as_ref(),
+                frames.as_slice(),
+            )
+        })
+        .collect();
+    replace_file(path, chrome_trace(&backends).as_bytes())?;
+    Ok(())
+}
+
+/// A table on a terminal that changes with every frame; nothing in a pipe.
+struct Live {
+    lines: MultiProgress,
+    title: ProgressBar,
+    groups: Vec<ProgressBar>,
+}
+
+impl Live {
+    fn new(backend: &str) -> Self {
+        let lines = MultiProgress::new();
+        let title = lines.add(ProgressBar::new(0));
+        if let Ok(style) =
+            ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta} {msg}")
+        {
+            title.set_style(style);
+        }
+        title.set_prefix(backend.to_owned());
+        Self {
+            lines,
+            title,
+            groups: Vec::new(),
+        }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        self.title.set_length(progress.of.into());
+        self.title.set_position(progress.done.into());
+        self.title
+            .set_message(format!("{:.2} ms", progress.frame_ms));
+        for (index, group) in progress.groups.iter().enumerate() {
+            if self.groups.len() <= index {
+                let bar = self.lines.add(ProgressBar::new(1000));
+                if let Ok(style) = ProgressStyle::with_template("  {prefix:12} {bar:40} {msg}") {
+                    bar.set_style(style);
+                }
+                bar.set_prefix(group.name.clone());
+                self.groups.push(bar);
+            }
+            let (ms, share) = (group.ms.as_ref().map_or(0.0, |ms| ms.median), group.share);
+            self.groups[index].set_position((share * 1000.0) as u64);
+            self.groups[index].set_message(format!("{ms:>9.3} ms {:>5.1} %", share * 100.0));
+        }
+    }
+
+    fn clear(&self) {
+        for bar in self.groups.iter().chain([&self.title]) {
+            bar.finish_and_clear();
+        }
+    }
 }

@@ -22,12 +22,38 @@ pub struct Need {
     pub bytes: i64,
 }
 
+/// A frame that differs in one need.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// The need.
+    pub name: &'static str,
+    /// The frame as it is has it, and this one does not; or the other way round.
+    pub present: bool,
+    /// Where the need comes from.
+    pub reason: String,
+    /// The frame without it, or with it.
+    pub frame: SurfelFrame,
+    /// The scene without it, or with it.
+    pub sizes: SceneSizes,
+}
+
 /// The needs of a frame, found by recording it once more without each of them, or with it.
 ///
 /// # Errors
 /// As [`Graph::compile`].
 pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, GraphErrors> {
     let here = record(frame, sizes)?;
+    let variants = variants(frame, sizes).into_iter();
+    variants
+        .map(|variant| {
+            let other = record(&variant.frame, &variant.sizes)?;
+            Ok(need(variant, &here, &other))
+        })
+        .collect()
+}
+
+/// A frame with each of its needs switched.
+pub fn variants(frame: &SurfelFrame, sizes: &SceneSizes) -> Vec<Variant> {
     let settings = &frame.settings;
     let lights = sizes.lights();
     let counted = |count: u64, what: &str| match count {
@@ -39,28 +65,42 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
         true => format!("the scene has {what}"),
         false => format!("the scene has no {what}"),
     };
-    let scene = |name, present, reason, other: SceneSizes| {
-        Ok::<_, GraphErrors>(need(name, present, reason, &here, &record(frame, &other)?))
+    let scene = |name, present, reason, sizes: SceneSizes| Variant {
+        name,
+        present,
+        reason,
+        frame: frame.clone(),
+        sizes,
     };
     let setting = |name, present, reason, change: &dyn Fn(&mut Settings)| {
-        let mut other = frame.clone();
-        change(&mut other.settings);
-        Ok::<_, GraphErrors>(need(name, present, reason, &here, &record(&other, sizes)?))
+        let mut frame = frame.clone();
+        change(&mut frame.settings);
+        Variant {
+            name,
+            present,
+            reason,
+            frame,
+            sizes: *sizes,
+        }
+    };
+    let switch = |name, on, key: &str, change: &dyn Fn(&mut Settings)| {
+        let value = if on { "on" } else { "off" };
+        setting(name, on, format!("the setting {key} = {value}"), change)
     };
     let (paths, queries) = (settings.continuations, settings.queries);
-    Ok(vec![
+    vec![
         scene(
             "direct light",
             lights > 0,
             counted(lights, "light of the scene or the view"),
             sizes.with_lights(if lights > 0 { 0 } else { 1 }),
-        )?,
+        ),
         scene(
             "sky",
             sizes.sky,
             has(sizes.sky, "light from the sky"),
             sizes.with_sky(!sizes.sky),
-        )?,
+        ),
         scene(
             "emitter sampling",
             sizes.emitters > 0 && settings.emitters,
@@ -69,89 +109,58 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
                 false => "the setting emitters = off".into(),
             },
             sizes.with_emitters(u64::from(sizes.emitters == 0)),
-        )?,
+        ),
         scene(
             "textures",
             sizes.textured,
             has(sizes.textured, "textures"),
             sizes.with_textures(!sizes.textured),
-        )?,
+        ),
         scene(
             "cut-outs",
             sizes.cut_outs,
             has(sizes.cut_outs, "surfaces with an alpha test"),
             sizes.with_cut_outs(!sizes.cut_outs),
-        )?,
-        setting(
+        ),
+        switch(
             "half resolution",
             settings.half_resolution,
-            format!(
-                "the setting half_resolution = {}",
-                if settings.half_resolution {
-                    "on"
-                } else {
-                    "off"
-                }
-            ),
+            "half_resolution",
             &|other| other.half_resolution = !other.half_resolution,
-        )?,
-        setting(
-            "depth functions",
-            settings.depth,
-            format!(
-                "the setting depth = {}",
-                if settings.depth { "on" } else { "off" }
-            ),
-            &|other| other.depth = !other.depth,
-        )?,
-        setting(
-            "ray guiding",
-            settings.guiding,
-            format!(
-                "the setting guiding = {}",
-                if settings.guiding { "on" } else { "off" }
-            ),
-            &|other| other.guiding = !other.guiding,
-        )?,
-        setting(
+        ),
+        switch("depth functions", settings.depth, "depth", &|other| {
+            other.depth = !other.depth
+        }),
+        switch("ray guiding", settings.guiding, "guiding", &|other| {
+            other.guiding = !other.guiding
+        }),
+        switch(
             "irradiance sharing",
             settings.sharing,
-            format!(
-                "the setting sharing = {}",
-                if settings.sharing { "on" } else { "off" }
-            ),
+            "sharing",
             &|other| other.sharing = !other.sharing,
-        )?,
-        setting(
-            "ray sorting",
-            settings.sorting,
-            format!(
-                "the setting sorting = {}",
-                if settings.sorting { "on" } else { "off" }
-            ),
-            &|other| other.sorting = !other.sorting,
-        )?,
+        ),
+        switch("ray sorting", settings.sorting, "sorting", &|other| {
+            other.sorting = !other.sorting
+        }),
         setting(
             "paths beyond a hit",
             paths > 0,
             format!("the setting continuations = {paths}"),
             &|other| other.continuations = if paths > 0 { 0 } else { 8 },
-        )?,
+        ),
         setting(
             "births at hits",
             settings.hit_births > 0,
             format!("the setting hit_births = {}", settings.hit_births),
             &|other| other.hit_births = if settings.hit_births > 0 { 0 } else { 256 },
-        )?,
-        setting(
+        ),
+        switch(
             "slot check",
             settings.check_slots,
-            format!(
-                "the setting check_slots = {}",
-                if settings.check_slots { "on" } else { "off" }
-            ),
+            "check_slots",
             &|other| other.check_slots = !other.check_slots,
-        )?,
+        ),
         setting(
             "debug view",
             settings.debug.is_some(),
@@ -165,14 +174,14 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
                     None => Some(DebugView::Surfels),
                 }
             },
-        )?,
+        ),
         setting(
             "irradiance at points",
             queries > 0,
             format!("the setting queries = {queries}"),
             &|other| other.queries = if queries > 0 { 0 } else { 1024 },
-        )?,
-    ])
+        ),
+    ]
 }
 
 fn record(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Schedule, GraphErrors> {
@@ -181,13 +190,13 @@ fn record(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Schedule, GraphErro
     g.compile(None)
 }
 
-fn need(
-    name: &'static str,
-    present: bool,
-    reason: String,
-    here: &Schedule,
-    other: &Schedule,
-) -> Need {
+fn need(variant: Variant, here: &Schedule, other: &Schedule) -> Need {
+    let Variant {
+        name,
+        present,
+        reason,
+        ..
+    } = variant;
     let (with, without) = if present {
         (here, other)
     } else {

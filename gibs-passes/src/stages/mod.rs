@@ -130,3 +130,9 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<upsample::Upsample>(),
     ]
 }
+
+/// Whether a stage of this name traces a ray for each of its items.
+pub fn traces_rays(stage: &str) -> bool {
+    use gibs_graph::Stage;
+    [trace_closest::TraceClosest::NAME, trace_any::TraceAny::NAME].contains(&stage)
+}

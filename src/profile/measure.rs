@@ -1,0 +1,266 @@
+//! Frames of several runs, timed and not in turns.
+use super::fold::{fold, group_of};
+use super::memory::memory;
+use super::statistics::{Figure, Interval, quantile};
+use super::trace::TimedFrame;
+use super::work::work;
+use super::{Cost, FORMAT, FrameCost, Profile, StageCost, Work};
+use crate::view::View;
+use crate::{RenderError, Renderer};
+use gibs_graph::{Backend, Schedule};
+use gibs_passes::frame::Settings;
+use gibs_passes::scene::Scene;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How much to measure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Runs, each with an executable of its own and from an empty cache, at least 1. Their differences are the noise.
+    pub runs: u32,
+    /// Measured frames of a run, at least 1. As many are run without timing their steps, in turns.
+    pub frames: u32,
+    /// Frames of a run before the measured ones.
+    pub warm_up: u32,
+    /// Seed of the first run; each has its own.
+    pub seed: u32,
+}
+
+/// What is known after a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Frames done.
+    pub done: u32,
+    /// Frames in all.
+    pub of: u32,
+    /// The groups so far, with medians and shares.
+    pub groups: Vec<Cost>,
+    /// Median of the frame so far, milliseconds.
+    pub frame_ms: f64,
+}
+
+/// Times of frames: for each run, for each frame.
+#[derive(Clone, Debug, Default)]
+struct Samples {
+    /// Wall time with the steps timed, milliseconds.
+    timed: Vec<Vec<f64>>,
+    /// Wall time without, milliseconds.
+    untimed: Vec<Vec<f64>>,
+    /// Milliseconds of each step; `None` of steps that have no time.
+    steps: Vec<Vec<Vec<Option<f64>>>>,
+}
+
+impl Options {
+    /// Frames that [`measure`] runs.
+    fn all_frames(&self) -> u32 {
+        let of_run = self.warm_up.saturating_add(self.frames.saturating_mul(2));
+        of_run.saturating_mul(self.runs)
+    }
+}
+
+/// Measures the frame. `progress` hears of every frame. Beside the profile come the timed frames of the first run.
+///
+/// # Errors
+/// [`RenderError`].
+pub fn measure(
+    backend: &dyn Backend,
+    (name, scene): (&str, &Scene),
+    view: &View,
+    settings: &Settings,
+    options: &Options,
+    mut progress: impl FnMut(&Progress),
+) -> Result<(Profile, Vec<TimedFrame>), RenderError> {
+    let mut samples = Samples::default();
+    let mut frames = Vec::new();
+    let mut last = None;
+    let mut done = 0;
+    for run in 0..options.runs {
+        let seed = options.seed.wrapping_add(run);
+        let mut renderer = Renderer::new(backend, scene, view, options.size, settings, seed)?;
+        let schedule = Arc::clone(renderer.executable().schedule());
+        samples.timed.push(Vec::new());
+        samples.untimed.push(Vec::new());
+        samples.steps.push(Vec::new());
+        let began = Instant::now();
+        for frame in 0..options
+            .warm_up
+            .saturating_add(options.frames.saturating_mul(2))
+        {
+            let measured = frame >= options.warm_up;
+            let timed = measured && (frame - options.warm_up).is_multiple_of(2);
+            renderer.executable().measure(timed);
+            let start = Instant::now();
+            renderer.frame()?;
+            renderer.wait()?;
+            let wall = start.elapsed();
+            if timed {
+                let times = renderer.executable().timings()?.unwrap_or_default();
+                let mut steps = vec![None; schedule.steps.len()];
+                for time in &times {
+                    steps[time.step] = Some(time.time.as_secs_f64() * 1e3);
+                }
+                push(&mut samples.timed, wall.as_secs_f64() * 1e3);
+                push(&mut samples.steps, steps);
+                if run == 0 {
+                    frames.push(TimedFrame {
+                        start: start - began,
+                        wall,
+                        steps: times,
+                    });
+                }
+            } else if measured {
+                push(&mut samples.untimed, wall.as_secs_f64() * 1e3);
+            }
+            done += 1;
+            progress(&Progress {
+                done,
+                of: options.all_frames(),
+                groups: samples.groups(&schedule),
+                frame_ms: quantile(&samples.timed.concat(), 0.5),
+            });
+        }
+        last = Some(renderer);
+    }
+    let Some(mut renderer) = last else {
+        return Err(RenderError::NoFrame {
+            what: "profile".into(),
+        });
+    };
+    let counters = renderer.counters()?;
+    let work = work(&mut renderer)?;
+    let schedule = Arc::clone(renderer.executable().schedule());
+    let stages = samples.stages(&schedule, &work);
+    let steps = samples.steps(&schedule, &work);
+    let device = backend.device();
+    let profile = Profile {
+        gibs_profile: FORMAT,
+        scene: name.into(),
+        backend: backend.name().into(),
+        device: device.name.clone(),
+        driver: device.driver.clone(),
+        size: options.size,
+        settings: match serde_json::to_value(settings) {
+            Ok(serde_json::Value::Object(map)) => map.into_iter().collect(),
+            _ => Default::default(),
+        },
+        runs: options.runs,
+        frames: options.frames,
+        warm_up: options.warm_up,
+        frame: samples.frame(),
+        memory: memory(&schedule, device.kind == "cpu"),
+        counters,
+        groups: samples.groups(&schedule),
+        stages,
+        steps,
+    };
+    Ok((profile, frames))
+}
+
+fn push<T>(runs: &mut [Vec<T>], value: T) {
+    if let Some(run) = runs.last_mut() {
+        run.push(value);
+    }
+}
+
+impl Samples {
+    /// The time of some steps together, in every frame; `None` where none of them has one.
+    fn sum(&self, steps: &[usize]) -> Option<Figure> {
+        let frame = |frame: &Vec<Option<f64>>| -> f64 {
+            steps.iter().filter_map(|&step| frame[step]).sum()
+        };
+        let all = self.steps.iter().flatten();
+        let mut times = all.flat_map(|frame| steps.iter().map(|&step| frame[step]));
+        times.any(|time| time.is_some()).then(|| {
+            let runs = self.steps.iter();
+            let runs = runs.map(|run| run.iter().map(frame).collect());
+            Figure::of(&runs.collect::<Vec<_>>())
+        })
+    }
+
+    fn all(&self) -> Option<Figure> {
+        let first = self.steps.iter().flatten().next()?;
+        self.sum(&(0..first.len()).collect::<Vec<_>>())
+    }
+
+    fn cost(&self, name: String, steps: &[usize], all: f64) -> Cost {
+        let ms = self.sum(steps);
+        Cost {
+            name,
+            share: ms.as_ref().map_or(0.0, |ms| ms.median) / all.max(1e-9),
+            ms,
+        }
+    }
+
+    fn groups(&self, schedule: &Schedule) -> Vec<Cost> {
+        let all = self.all().map_or(0.0, |all| all.median);
+        let groups = fold((0..schedule.steps.len()).map(|step| group_of(schedule, step)));
+        let groups = groups.into_iter();
+        groups
+            .map(|(name, steps)| self.cost(name, &steps, all))
+            .collect()
+    }
+
+    fn stages(&self, schedule: &Schedule, work: &[Work]) -> Vec<StageCost> {
+        let all = self.all().map_or(0.0, |all| all.median);
+        let names = (0..schedule.steps.len()).map(|step| {
+            let group = group_of(schedule, step);
+            (group, super::fold::stage_of(&schedule.steps[step].label))
+        });
+        let stages = fold(names).into_iter();
+        stages
+            .map(|((group, name), steps)| StageCost {
+                group,
+                cost: self.cost(name, &steps, all),
+                times: steps.len() as u32,
+                work: steps.iter().map(|&step| work[step]).sum(),
+            })
+            .collect()
+    }
+
+    fn steps(&self, schedule: &Schedule, work: &[Work]) -> Vec<StageCost> {
+        let all = self.all().map_or(0.0, |all| all.median);
+        let steps = schedule.steps.iter().enumerate();
+        steps
+            .map(|(step, found)| StageCost {
+                group: group_of(schedule, step),
+                cost: self.cost(found.label.clone(), &[step], all),
+                times: 1,
+                work: work[step],
+            })
+            .collect()
+    }
+
+    fn frame(&self) -> FrameCost {
+        let shares = self.timed.iter().flatten().zip(self.steps.iter().flatten());
+        let shares: Vec<f64> = shares
+            .map(|(wall, steps)| steps.iter().flatten().sum::<f64>() / wall.max(1e-9))
+            .collect();
+        let steps_ms = self.all();
+        let pairs = self.timed.iter().flatten();
+        let pairs = pairs.copied().zip(self.untimed.iter().flatten().copied());
+        FrameCost {
+            wall_ms: Figure::of(&self.timed),
+            covered: steps_ms.as_ref().map(|_| quantile(&shares, 0.5)),
+            steps_ms,
+            overhead: Interval::of_pairs(pairs),
+        }
+    }
+}
+
+impl std::iter::Sum for Work {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |sum, work| Self {
+            invocations: sum.invocations + work.invocations,
+            items: match (sum.items, work.items) {
+                (None, None) => None,
+                (a, b) => Some(a.unwrap_or_default() + b.unwrap_or_default()),
+            },
+            rays: sum.rays + work.rays,
+            bytes_read: sum.bytes_read + work.bytes_read,
+            bytes_written: sum.bytes_written + work.bytes_written,
+            bytes_held: sum.bytes_held + work.bytes_held,
+        })
+    }
+}

@@ -1,0 +1,100 @@
+//! What a frame saves by leaving out what its scene does not need.
+use super::statistics::{Interval, quantile};
+use crate::view::View;
+use crate::{Gi, RenderError, Renderer};
+use gibs_graph::Backend;
+use serde::Serialize;
+use std::time::Instant;
+
+/// A need of the frame, and what it costs or would cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Saving {
+    /// The need.
+    pub name: &'static str,
+    /// The frame has it; else it is left out.
+    pub present: bool,
+    /// Where that comes from.
+    pub reason: String,
+    /// Stages that it adds, or would add.
+    pub stages: Vec<String>,
+    /// Bindings that it adds, or would add, to stages that are there without it.
+    pub bindings: Vec<String>,
+    /// Bytes of memory that it adds, or would add; negative where memory is shared better with it.
+    pub bytes: i64,
+    /// What it adds to a frame, or would add.
+    pub time: Option<SavedTime>,
+}
+
+/// What a need adds to a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SavedTime {
+    /// Milliseconds: what `ratio` adds to the median frame without it.
+    pub ms: f64,
+    /// The frame with it over the frame without, in the geometric mean over pairs of frames.
+    pub ratio: Interval,
+}
+
+/// What is saved by each need that is left out, and what each that is there costs. The time of those that are left out is
+/// measured where `measure` says on which backend and over how many frames: after as many to warm up, in turns with the
+/// frame as it is. What the scene does not have, such as a light, is then there without any power.
+///
+/// # Errors
+/// [`RenderError`]; the backend refuses a frame, or fails.
+pub fn savings(
+    gi: &Gi,
+    view: &View,
+    measure: Option<(&dyn Backend, u32)>,
+    mut progress: impl FnMut(u32, u32),
+) -> Result<Vec<Saving>, RenderError> {
+    let needs = gi.needs()?;
+    let mut all: Vec<Saving> = needs
+        .into_iter()
+        .map(|need| Saving {
+            name: need.name,
+            present: need.present,
+            reason: need.reason,
+            stages: need.stages,
+            bindings: need.bindings,
+            bytes: need.bytes,
+            time: None,
+        })
+        .collect();
+    let Some((backend, frames)) = measure else {
+        return Ok(all);
+    };
+    let left_out = all.iter().filter(|saving| !saving.present).count() as u32;
+    let mut done = 0;
+    for (saving, variant) in all.iter_mut().zip(gi.variants()) {
+        if saving.present {
+            continue;
+        }
+        let mut with = Renderer::of(backend, gi.variant(&variant)?, view)?;
+        let mut without = Renderer::of(backend, gi.again()?, view)?;
+        let mut times = [Vec::new(), Vec::new()];
+        for frame in 0..frames * 2 {
+            // The two take turns at being first.
+            for turn in 0..2 {
+                let which = (turn + frame) as usize % 2;
+                let renderer = [&mut with, &mut without];
+                let [with, without] = renderer;
+                let renderer = if which == 0 { with } else { without };
+                let start = Instant::now();
+                renderer.frame()?;
+                renderer.wait()?;
+                if frame >= frames {
+                    times[which].push(start.elapsed().as_secs_f64() * 1e3);
+                }
+            }
+            done += 1;
+            progress(done, left_out * frames * 2);
+        }
+        let [with, without] = times;
+        let usual = quantile(&without, 0.5);
+        let ratio = Interval::of_pairs(with.into_iter().zip(without));
+        saving.time = Some(SavedTime {
+            ms: usual * (ratio.ratio - 1.0),
+            ratio,
+        });
+    }
+    Ok(all)
+}

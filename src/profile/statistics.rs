@@ -1,0 +1,110 @@
+//! Medians, percentiles, and how far runs differ.
+use serde::{Deserialize, Serialize};
+
+/// A figure over frames of several runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// Median over all frames.
+    pub median: f64,
+    /// 95th percentile over all frames.
+    pub p95: f64,
+    /// Median of each run.
+    pub of_runs: Vec<f64>,
+}
+
+/// A ratio with its 95 % confidence interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// The ratio.
+    pub ratio: f64,
+    /// Its lower and upper bound; `None` where there are too few runs to tell.
+    pub bounds: Option<[f64; 2]>,
+}
+
+impl Figure {
+    /// Of values per frame, run by run; zeros where there are none.
+    pub fn of(runs: &[Vec<f64>]) -> Self {
+        let all: Vec<f64> = runs.iter().flatten().copied().collect();
+        Self {
+            median: quantile(&all, 0.5),
+            p95: quantile(&all, 0.95),
+            of_runs: runs.iter().map(|run| quantile(run, 0.5)).collect(),
+        }
+    }
+}
+
+/// A quantile, linear between values; 0 where there are none.
+pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = sorted.len().saturating_sub(1) as f64 * share;
+    let at = |rank: f64| sorted.get(rank as usize).copied().unwrap_or_default();
+    let (below, above) = (at(rank.floor()), at(rank.ceil()));
+    below + (above - below) * rank.fract()
+}
+
+impl Interval {
+    /// The ratio of paired values, by the Student interval of the mean of their logarithms.
+    pub fn of_pairs(pairs: impl Iterator<Item = (f64, f64)>) -> Self {
+        let logs: Vec<f64> = pairs
+            .filter(|(new, old)| *new > 0.0 && *old > 0.0)
+            .map(|(new, old)| (new / old).ln())
+            .collect();
+        let (mean, variance) = moments(&logs);
+        let count = logs.len();
+        Self::around(mean, (variance / count as f64).sqrt(), count.max(1) - 1)
+    }
+
+    /// The ratio of the means of two independent samples, by Welch's interval on their logarithms: B. L. Welch, "The
+    /// generalization of Student's problem when several different population variances are involved", 1947.
+    pub fn of_samples(new: &[f64], old: &[f64]) -> Self {
+        let logs = |values: &[f64]| -> Vec<f64> {
+            let above = values.iter().filter(|value| **value > 0.0);
+            above.map(|value| value.ln()).collect()
+        };
+        let (new, old) = (logs(new), logs(old));
+        let ((a, va), (b, vb)) = (moments(&new), moments(&old));
+        if new.len() < 2 || old.len() < 2 {
+            return Self::around(a - b, 0.0, 0);
+        }
+        let (na, nb) = (new.len() as f64, old.len() as f64);
+        let (ea, eb) = (va / na, vb / nb);
+        let error = (ea + eb).sqrt();
+        // Welch and Satterthwaite's degrees of freedom, rounded down; at least those of the smaller sample.
+        let least = new.len().min(old.len()) - 1;
+        let freedom = (ea + eb).powi(2) / (ea.powi(2) / (na - 1.0) + eb.powi(2) / (nb - 1.0));
+        Self::around(a - b, error, least.max(freedom as usize))
+    }
+
+    fn around(log: f64, error: f64, freedom: usize) -> Self {
+        Self {
+            ratio: log.exp(),
+            bounds: (freedom > 0).then(|| {
+                let reach = student_95(freedom) * error;
+                [(log - reach).exp(), (log + reach).exp()]
+            }),
+        }
+    }
+}
+
+/// Mean and sample variance; NaN where there are none.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, squares / (count - 1.0))
+}
+
+/// The 97.5 % quantile of Student's distribution with so many degrees of freedom, rounded up to three digits; from the tables
+/// of any textbook, beyond 30 by the Cornish-Fisher expansion of the normal quantile.
+pub(super) fn student_95(freedom: usize) -> f64 {
+    const TABLE: [f64; 30] = [
+        12.71, 4.31, 3.19, 2.78, 2.58, 2.45, 2.37, 2.31, 2.27, 2.23, 2.21, 2.18, 2.17, 2.15, 2.14,
+        2.12, 2.11, 2.11, 2.10, 2.09, 2.08, 2.08, 2.07, 2.07, 2.06, 2.06, 2.06, 2.05, 2.05, 2.05,
+    ];
+    match freedom {
+        0 => f64::INFINITY,
+        1..=30 => TABLE[freedom - 1],
+        _ => 1.96 + 2.5 / freedom as f64,
+    }
+}

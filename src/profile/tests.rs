@@ -1,0 +1,242 @@
+use super::fold::stage_of;
+use super::statistics::student_95;
+use super::*;
+use gibs_graph::StepTime;
+use std::time::Duration;
+
+fn figure(of_runs: &[f64]) -> Figure {
+    let runs: Vec<Vec<f64>> = of_runs.iter().map(|ms| vec![*ms]).collect();
+    Figure::of(&runs)
+}
+
+fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
+    let cost = |name: &str, of_runs: &[f64]| Cost {
+        name: name.into(),
+        ms: Some(figure(of_runs)),
+        share: 0.5,
+    };
+    let stages: Vec<StageCost> = stages
+        .iter()
+        .map(|(name, of_runs)| StageCost {
+            group: "apply".into(),
+            cost: cost(name, of_runs),
+            times: 1,
+            work: Work::default(),
+        })
+        .collect();
+    Profile {
+        gibs_profile: FORMAT,
+        scene: "cornell".into(),
+        backend: "cpu".into(),
+        device: "a processor".into(),
+        driver: "none".into(),
+        size: [4, 3],
+        settings: [("rays".to_owned(), serde_json::Value::from(100))].into(),
+        runs: frame.len() as u32,
+        frames: 1,
+        warm_up: 0,
+        frame: FrameCost {
+            wall_ms: figure(frame),
+            steps_ms: Some(figure(frame)),
+            covered: Some(1.0),
+            overhead: Interval {
+                ratio: 1.0,
+                bounds: None,
+            },
+        },
+        memory: MemoryCost::default(),
+        counters: Counters::default(),
+        groups: vec![cost("apply", frame)],
+        steps: stages.clone(),
+        stages,
+    }
+}
+
+#[test]
+fn figures_are_medians_and_percentiles_of_all_frames() {
+    let figure = Figure::of(&[vec![1.0, 2.0, 3.0], vec![4.0, 5.0, 1005.0]]);
+    assert_eq!(figure.median, 3.5);
+    assert_eq!(figure.of_runs, [2.0, 5.0]);
+    // Rank 0.95 * 5 = 4.75 lies three quarters of the way from 5 to 1005.
+    assert_eq!(figure.p95, 755.0);
+    assert_eq!(Figure::of(&[]), Figure::default());
+}
+
+/// By numerical integration of Student's density: 97.5 % of it lies below the quantile, to the three digits of the table.
+#[test]
+fn quantiles_of_student_hold_against_integration() {
+    for freedom in [1, 2, 3, 5, 10, 20, 30, 31, 40, 100, 1000] {
+        let n = freedom as f64;
+        let density = |t: f64| (1.0 + t * t / n).powf(-(n + 1.0) / 2.0);
+        let integrate = |to: f64| {
+            // Over t = tan(u), which makes the half line finite.
+            let steps = 200_000;
+            let end = to.atan();
+            let width = end / f64::from(steps);
+            let middle = |i: i32| ((f64::from(i) + 0.5) * width).tan();
+            let sum: f64 = (0..steps)
+                .map(|i| density(middle(i)) * (1.0 + middle(i).powi(2)))
+                .sum();
+            sum * width
+        };
+        let share = 0.5 + 0.5 * integrate(student_95(freedom)) / integrate(1e7);
+        // Rounded up by 0.01 at most, which is worth at most 0.0006 of probability where the density is highest.
+        assert!(
+            (-2e-5..7e-4).contains(&(share - 0.975)),
+            "{freedom}: {share}"
+        );
+    }
+}
+
+#[test]
+fn intervals_hold_what_they_should() {
+    let same = Interval::of_samples(&[10.0, 11.0, 12.0], &[10.0, 11.0, 12.0]);
+    let [low, high] = same.bounds.unwrap();
+    assert!(low < 1.0 && 1.0 < high && (low * high - 1.0).abs() < 1e-9);
+    let twice = Interval::of_samples(&[20.0, 20.2, 20.4], &[10.0, 10.1, 10.2]);
+    let [low, high] = twice.bounds.unwrap();
+    assert!(1.9 < low && high < 2.1 && (twice.ratio - 2.0).abs() < 1e-9);
+    assert_eq!(Interval::of_samples(&[1.0], &[1.0]).bounds, None);
+    // Pairs that always differ by as much leave no doubt, however much they vary.
+    let pairs = Interval::of_pairs([(2.0, 1.0), (20.0, 10.0), (6.0, 3.0)].into_iter());
+    let [low, high] = pairs.bounds.unwrap();
+    assert!((low - 2.0).abs() < 1e-9 && (high - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn repetitions_prefix_sums_and_clears_are_one_stage() {
+    for (label, stage) in [
+        ("persistent/ray_trace", "ray_trace"),
+        ("persistent/ray_trace_8", "ray_trace"),
+        ("persistent/path_scan_3_blocks", "path_scan"),
+        ("persistent/grid_scan_sums", "grid_scan"),
+        ("spawn/rank_apply", "rank"),
+        ("apply/lighting_apply", "lighting_apply"),
+        ("filtering/drift_blocks", "drift_blocks"),
+        ("clear goes_on_2", "clear"),
+    ] {
+        assert_eq!(stage_of(label), stage, "{label}");
+    }
+}
+
+#[test]
+fn what_is_slower_than_the_noise_is_told() {
+    let old = profile(
+        &[10.0, 10.1, 9.9],
+        &[
+            ("same", &[1.0, 1.1, 0.9]),
+            ("slow", &[1.0, 1.01, 0.99]),
+            ("old", &[1.0; 3]),
+        ],
+    );
+    let mut new = profile(
+        &[10.1, 10.0, 9.9],
+        &[
+            ("same", &[1.1, 0.95, 1.0]),
+            ("slow", &[1.5, 1.51, 1.49]),
+            ("new", &[1.0; 3]),
+        ],
+    );
+    let comparison = compare(&new, &old);
+    assert!(comparison.differences.is_empty());
+    assert_eq!(comparison.frame.verdict, Verdict::Noise);
+    let verdict = |name: &str| {
+        let found = comparison.stages.iter().find(|change| change.name == name);
+        found.map(|change| change.verdict)
+    };
+    assert_eq!(verdict("apply/same"), Some(Verdict::Noise));
+    assert_eq!(verdict("apply/slow"), Some(Verdict::Slower));
+    assert_eq!(verdict("apply/new"), Some(Verdict::New));
+    assert_eq!(verdict("apply/old"), Some(Verdict::Gone));
+    let back = compare(&old, &new);
+    let faster = back
+        .stages
+        .iter()
+        .find(|change| change.name == "apply/slow");
+    assert_eq!(faster.unwrap().verdict, Verdict::Faster);
+    let text = comparison_table(&comparison, [3, 3]);
+    assert_eq!(text.matches("SLOWER").count(), 1, "{text}");
+
+    new.size = [8, 6];
+    new.settings.insert("rays".into(), 200.into());
+    let told = compare(&new, &old).differences;
+    assert_eq!(
+        told,
+        [
+            "size: 4x3 before, 8x6 now",
+            "setting rays: 100 before, 200 now"
+        ]
+    );
+    let single = compare(&profile(&[1.0], &[]), &profile(&[9.0], &[]));
+    assert_eq!(single.frame.verdict, Verdict::Unknown);
+}
+
+#[test]
+fn a_profile_survives_its_file() {
+    let path = std::env::temp_dir().join(format!("gibs-profile-{}.json", std::process::id()));
+    let written = vec![profile(&[1.5, 2.5], &[("stage", &[0.1, 0.2])])];
+    std::fs::write(&path, serde_json::to_string(&written).unwrap()).unwrap();
+    assert_eq!(Profile::read(&path).unwrap(), written);
+
+    let wrong = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        Profile::read(&path).unwrap_err().to_string()
+    };
+    for text in ["", "{}", "[{\"gibs_profile\": 1}]", "[1"] {
+        let message = wrong(text);
+        assert!(message.contains("gibs profile SCENE --json"), "{message}");
+        assert!(message.contains(&path.display().to_string()), "{message}");
+    }
+    let message = wrong("[{\"gibs_profile\": 99}]");
+    assert!(message.contains("99"), "{message}");
+    std::fs::remove_file(&path).unwrap();
+    let message = Profile::read(&path).unwrap_err().to_string();
+    assert!(message.contains("cannot be read"), "{message}");
+}
+
+/// Slices of a track of a trace either follow each other or lie within one another, which viewers insist on.
+#[test]
+fn slices_of_a_trace_do_not_cross() {
+    let schedule = crate::Gi::new(
+        &crate::builtin::by_name("cornell").unwrap().0,
+        &crate::builtin::by_name("cornell").unwrap().1,
+        [16, 8],
+        &Default::default(),
+        gibs_passes::frame::Screen::Traced,
+    );
+    let schedule = schedule.unwrap().schedule().clone();
+    let steps = (0..schedule.steps.len()).map(|step| StepTime {
+        step,
+        start: Duration::from_micros(10 * step as u64),
+        time: Duration::from_micros(9),
+    });
+    let wall = Duration::from_micros(10 * schedule.steps.len() as u64);
+    let frames: Vec<TimedFrame> = (0..2)
+        .map(|frame| TimedFrame {
+            start: wall * frame,
+            wall,
+            steps: steps.clone().collect(),
+        })
+        .collect();
+    let text = chrome_trace(&[("cpu", &schedule, &frames), ("vulkan", &schedule, &frames)]);
+    let trace: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let events = trace["traceEvents"].as_array().unwrap();
+    let of = |process: u64, thread: u64| -> Vec<(f64, f64)> {
+        let slices = events.iter().filter(|e| e["ph"] == "X");
+        let own = slices.filter(|e| e["pid"] == process && e["tid"] == thread);
+        own.map(|e| (e["ts"].as_f64().unwrap(), e["dur"].as_f64().unwrap()))
+            .collect()
+    };
+    for process in [1, 2] {
+        assert_eq!(of(process, 1).len(), 2, "frames");
+        assert!(of(process, 2).len() >= 10, "groups");
+        assert_eq!(of(process, 3).len(), 2 * schedule.steps.len(), "steps");
+        for thread in [1, 2, 3] {
+            let slices = of(process, thread);
+            let apart = slices.windows(2).all(|w| w[0].0 + w[0].1 <= w[1].0 + 1e-6);
+            assert!(apart, "track {thread}");
+        }
+    }
+    let named = events.iter().filter(|e| e["ph"] == "M").count();
+    assert_eq!(named, 8, "each process and track has a name");
+}
