@@ -231,8 +231,12 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn frame(&mut self) -> Result<(), RenderError> {
+        #[cfg(feature = "tracy")]
+        let _span = tracing::info_span!("frame").entered();
         self.begin()?;
         self.exec.run()?;
+        #[cfg(feature = "tracy")]
+        tracing::info!(tracy.frame_mark = true);
         Ok(())
     }
 
@@ -324,6 +328,8 @@ impl Renderer {
     /// # Errors
     /// [`RenderError::Backend`].
     pub fn wait(&mut self) -> Result<(), RenderError> {
+        #[cfg(feature = "tracy")]
+        let _span = tracing::info_span!("wait for the device").entered();
         Ok(self.exec.wait()?)
     }
 

@@ -62,6 +62,8 @@ impl CpuExecutable {
     fn step(&mut self, index: usize) -> Result<(), BackendError> {
         let schedule = Arc::clone(&self.schedule);
         let step = &schedule.steps[index];
+        #[cfg(feature = "tracing")]
+        let _span = tracing::info_span!("step", label = %step.label).entered();
         match &step.action {
             Action::Clear(resource) => {
                 let bytes = schedule.resources[*resource as usize].bytes as usize;

@@ -49,6 +49,14 @@ enum Command {
     Devices(devices::Args),
 }
 
+/// Sends spans to Tracy from here on. A program that has a subscriber of its own keeps it.
+#[cfg(feature = "tracy")]
+fn listen() {
+    use tracing_subscriber::layer::SubscriberExt;
+    let layer = tracing_tracy::TracyLayer::default();
+    let _ = tracing::subscriber::set_global_default(tracing_subscriber::registry().with(layer));
+}
+
 /// Runs the program: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -63,6 +71,8 @@ pub fn main() -> ExitCode {
             };
         }
     };
+    #[cfg(feature = "tracy")]
+    listen();
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
