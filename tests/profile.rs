@@ -154,3 +154,102 @@ fn what_is_left_out_can_be_measured() {
         }
     }
 }
+
+/// The program on the processor: prints, compares with what it printed, writes a trace, refuses what is no profile.
+#[cfg(feature = "cpu")]
+mod program {
+    use serde_json::Value;
+    use std::process::{Command, Output};
+
+    fn gibs(args: &[&str]) -> Output {
+        let small = [
+            "profile",
+            "cornell",
+            "--backend",
+            "cpu",
+            "--size",
+            "32x24",
+            "--frames",
+            "2",
+            "--warm-up",
+            "1",
+        ];
+        Command::new(env!("CARGO_BIN_EXE_gibs"))
+            .args(small)
+            .args(args)
+            .output()
+            .unwrap()
+    }
+
+    fn text(bytes: &[u8]) -> String {
+        String::from_utf8(bytes.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn profiles_are_printed_compared_and_traced() {
+        let folder = std::env::temp_dir().join(format!("gibs-profile-cli-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = |name: &str| folder.join(name).display().to_string();
+
+        let printed = gibs(&["--json", "--why", "--runs", "2"]);
+        assert_eq!(printed.status.code(), Some(0), "{}", text(&printed.stderr));
+        let profiles: Value = serde_json::from_slice(&printed.stdout).unwrap();
+        assert_eq!(profiles[0]["backend"], "cpu");
+        assert_eq!(profiles[0]["size"], serde_json::json!([32, 24]));
+        let needs = profiles[0]["needs"].as_array().unwrap();
+        let guiding = needs.iter().find(|need| need["name"] == "ray guiding");
+        assert!(guiding.unwrap()["time"]["ms"].is_f64(), "{guiding:?}");
+
+        std::fs::write(path("old.json"), &printed.stdout).unwrap();
+        let again = gibs(&[
+            "--against",
+            &path("old.json"),
+            "--trace",
+            &path("trace.json"),
+        ]);
+        assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+        let told = text(&again.stdout);
+        assert!(
+            told.contains("not alike: ") && !told.contains("setting"),
+            "runs differ: {told}"
+        );
+        for part in [
+            "left out: direct light",
+            "against ",
+            "95 % interval",
+            "apply/compose",
+        ] {
+            assert!(told.contains(part), "{part}: {told}");
+        }
+        let trace: Value =
+            serde_json::from_slice(&std::fs::read(path("trace.json")).unwrap()).unwrap();
+        let events = trace["traceEvents"].as_array().unwrap();
+        let frames = events.iter().filter(|e| e["tid"] == 1 && e["ph"] == "X");
+        assert_eq!(frames.count(), 2);
+
+        std::fs::write(path("wrong.json"), "{\"gibs_profile\": 1}").unwrap();
+        for name in ["wrong.json", "absent.json"] {
+            let refused = gibs(&["--against", &path(name)]);
+            assert_eq!(refused.status.code(), Some(2));
+            assert!(
+                text(&refused.stderr).contains(name),
+                "{}",
+                text(&refused.stderr)
+            );
+            assert!(
+                refused.stdout.is_empty(),
+                "refused before anything is measured"
+            );
+        }
+        let refused = gibs(&["--trace", &path("no/such/folder/trace.json")]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(
+            refused.stdout.is_empty(),
+            "refused before anything is measured"
+        );
+        for wrong in [["--frames", "0"], ["--runs", "0"], ["--backend", "gpu"]] {
+            assert_eq!(gibs(&wrong).status.code(), Some(2), "{wrong:?}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

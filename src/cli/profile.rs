@@ -5,7 +5,7 @@ use super::run::title;
 use super::scene::{Loaded, SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::gi::Gi;
-use crate::picture::replace_file;
+use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
     Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace, compare,
     comparison_table, measure, saving_table, savings, table,
@@ -76,6 +76,9 @@ struct Printed<'a> {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     let old = args.against.as_deref().map(Profile::read).transpose()?;
+    if let Some(path) = &args.trace {
+        ensure_writable(path)?;
+    }
     let backends = args.backend.iter().map(|&choice| backends::open(choice));
     let backends = backends.collect::<Result<Vec<_>, _>>()?;
     let loaded = args.scene.load()?;

@@ -60,6 +60,7 @@ pub fn compare(now: &Profile, before: &Profile) -> Comparison {
     differ("driver", before.driver.clone(), now.driver.clone());
     let size = |profile: &Profile| profile.size.map(|side| side.to_string()).join("x");
     differ("size", size(before), size(now));
+    differ("runs", before.runs.to_string(), now.runs.to_string());
     differ("frames", before.frames.to_string(), now.frames.to_string());
     let warm_up = |profile: &Profile| profile.warm_up.to_string();
     differ("frames to warm up", warm_up(before), warm_up(now));

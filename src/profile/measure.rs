@@ -148,7 +148,7 @@ pub fn measure(
         runs: options.runs,
         frames: options.frames,
         warm_up: options.warm_up,
-        frame: samples.frame(),
+        frame: samples.frame(&work),
         memory: memory(&schedule, device.kind == "cpu"),
         counters,
         groups: samples.groups(&schedule),
@@ -232,7 +232,10 @@ impl Samples {
             .collect()
     }
 
-    fn frame(&self) -> FrameCost {
+    fn frame(&self, work: &[Work]) -> FrameCost {
+        let tracing: Vec<usize> = (0..work.len())
+            .filter(|&step| work[step].rays > 0)
+            .collect();
         let shares = self.timed.iter().flatten().zip(self.steps.iter().flatten());
         let shares: Vec<f64> = shares
             .map(|(wall, steps)| steps.iter().flatten().sum::<f64>() / wall.max(1e-9))
@@ -244,6 +247,7 @@ impl Samples {
             wall_ms: Figure::of(&self.timed),
             covered: steps_ms.as_ref().map(|_| quantile(&shares, 0.5)),
             steps_ms,
+            tracing_ms: self.sum(&tracing),
             overhead: Interval::of_pairs(pairs),
         }
     }

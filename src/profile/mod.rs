@@ -72,6 +72,8 @@ pub struct FrameCost {
     pub wall_ms: Figure,
     /// Time of all steps together, milliseconds; `None` where the device measures none.
     pub steps_ms: Option<Figure>,
+    /// Time of those steps that trace rays, milliseconds.
+    pub tracing_ms: Option<Figure>,
     /// The steps' share of the frame, in the median over frames; the rest is uploads, submission and waiting.
     pub covered: Option<f64>,
     /// Time of a frame whose steps are timed over that of one whose steps are not: frames took turns.

@@ -71,6 +71,14 @@ fn heading(profile: &Profile) -> String {
         ),
         _ => writeln!(text, "; the device measures no time of steps"),
     };
+    if let Some(tracing) = frame.tracing_ms.as_ref().filter(|ms| ms.median > 0.0) {
+        let _ = writeln!(
+            text,
+            "tracing rays takes {:.2} ms; the frame takes {:.2} times that",
+            tracing.median,
+            wall.median / tracing.median
+        );
+    }
     let memory = &profile.memory;
     let _ = writeln!(
         text,

@@ -38,6 +38,7 @@ fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
         frame: FrameCost {
             wall_ms: figure(frame),
             steps_ms: Some(figure(frame)),
+            tracing_ms: None,
             covered: Some(1.0),
             overhead: Interval {
                 ratio: 1.0,
