@@ -88,21 +88,10 @@ pub(super) fn default_out(scene: &str) -> PathBuf {
 
 /// Makes the folder of a report and sees that a file of this name can be written there.
 pub(super) fn prepare_folder(folder: &Path, file: &str) -> Result<(), WriteError> {
-    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io {
-        path: folder.to_owned(),
-        source,
-    })?;
+    let path = folder.to_owned();
+    if folder.exists() && !folder.is_dir() {
+        return Err(WriteError::NotAFolder { path });
+    }
+    std::fs::create_dir_all(folder).map_err(|source| WriteError::Io { path, source })?;
     ensure_writable(&folder.join(file))
-}
-
-/// Writes a text, under another name first, so that nobody finds half of it.
-pub(super) fn write_text(file: &Path, text: &str) -> Result<(), CommandError> {
-    let failed = |source| WriteError::Io {
-        path: file.to_owned(),
-        source,
-    };
-    let partial = file.with_extension("part");
-    std::fs::write(&partial, text).map_err(failed)?;
-    std::fs::rename(&partial, file).map_err(failed)?;
-    Ok(())
 }

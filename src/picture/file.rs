@@ -22,6 +22,12 @@ pub enum WriteError {
         /// The file to be written.
         path: PathBuf,
     },
+    /// A folder was wanted, and there is something else.
+    #[error("{path}: exists and is not a folder; choose another name")]
+    NotAFolder {
+        /// The folder wanted.
+        path: PathBuf,
+    },
     /// The folder or the disk does not take the file.
     #[error(
         "{path}: cannot be written ({source}); check the folder's permissions and the free space"

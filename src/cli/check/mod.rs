@@ -10,6 +10,7 @@ use crate::builtin;
 use crate::check::{
     Capture, Case, CheckOptions, Expectations, Participant, Plan, Verdict, cases, check, html,
 };
+use crate::picture::replace_file;
 use crate::view::View;
 use gibs_passes::scene::Scene;
 use gibs_passes::stages;
@@ -59,6 +60,9 @@ pub struct Args {
     json: bool,
 }
 
+/// Captures that a report holds at most, of the first steps that differ.
+const MOST_CAPTURES: usize = 16;
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let expectations = match &args.expectations {
@@ -79,7 +83,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .collect();
     let mut options = CheckOptions {
         stage: args.stage.clone(),
-        captures: 16,
+        captures: MOST_CAPTURES,
         ..CheckOptions::default()
     };
     if same_spirv {
@@ -135,15 +139,20 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let json = serde_json::to_string_pretty(&summary).unwrap_or_default();
     if let Some(folder) = &args.report {
         let compact = serde_json::to_string(&summary).unwrap_or_default();
-        super::output::write_text(&folder.join("report.json"), &compact)?;
-        super::output::write_text(
+        replace_file(&folder.join("report.json"), compact.as_bytes())?;
+        replace_file(
             &folder.join("report.html"),
-            &html(&checked.report, &checked.captures, &unmet, args.size),
+            html(&checked.report, &checked.captures, &unmet, args.size).as_bytes(),
         )?;
     }
     match args.json {
         true => say!("{json}"),
         false => tell(&summary)?,
+    }
+    if args.report.is_some() && captures.len() == MOST_CAPTURES {
+        warning!(
+            "there are captures of the first {MOST_CAPTURES} steps that differ; name another with --stage for its own"
+        );
     }
     for missing in &not_run {
         warning!("not run: {}: {}", missing.name, missing.reason);
@@ -183,7 +192,11 @@ fn load(args: &Args) -> Result<Vec<Named>, CommandError> {
             }
         }
     }
-    for scene in &args.scenes {
+    for (index, scene) in args.scenes.iter().enumerate() {
+        if args.scenes[..index].contains(scene) {
+            warning!("{scene} is named twice and checked once");
+            continue;
+        }
         let is_file = builtin::by_name(scene).is_none();
         let Loaded {
             scene: loaded,
@@ -213,15 +226,18 @@ fn stages_not_run(cases: &[Case<'_>]) -> Vec<&'static str> {
     all.filter(|name| !run.contains(name)).collect()
 }
 
-/// Writes captures under names of their steps.
+/// Writes captures under names of their steps, with a number in front where two would have the same.
 fn write_captures(folder: &Path, captures: &[Capture]) -> Result<Vec<PathBuf>, CommandError> {
     let mut files = Vec::new();
-    for capture in captures {
+    for (number, capture) in captures.iter().enumerate() {
         let plain: String = format!("{}-{}", capture.case, capture.label)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
             .collect();
-        let file = folder.join(format!("{plain}-{}.npz", capture.frame));
+        let mut file = folder.join(format!("{plain}-{}.npz", capture.frame));
+        if files.contains(&file) {
+            file = folder.join(format!("{number}-{plain}-{}.npz", capture.frame));
+        }
         capture.write(&file)?;
         files.push(file);
     }
