@@ -64,8 +64,8 @@ impl Comparator {
         floats: Floats::Scaled(16),
         order: Order::InOrder,
         non_finite: false,
-        reason: "at most sixteen roundings of half an ULP on each side: a device may contract a product and a sum, and \
-                 divide with an error of 2.5 ULP",
+        reason: "eight ULP on each side: sixteen roundings of half an ULP, of which a division that a device does with an \
+                 error of 2.5 ULP is five; contracting a product and a sum saves one",
     };
 
     /// Equal to the bit.

@@ -144,4 +144,7 @@ fn what_is_missing_is_never_undecided() {
 fn another_integer_is_no_decision() {
     let other: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&1000_u32.to_ne_bytes());
     assert_eq!(judged(1, "above", other), (Verdict::Differs, 0, 1));
+    // Nor is one that is near: integers have no distance.
+    let near: fn(&mut [u8]) = |bytes| bytes[..4].copy_from_slice(&2_u32.to_ne_bytes());
+    assert_eq!(judged(1, "above", near), (Verdict::Differs, 0, 1));
 }

@@ -13,6 +13,8 @@ pub const UNWRITTEN: u32 = 0x7fc0_dead;
 pub struct Comparison {
     /// Elements that were held against each other.
     pub elements: u64,
+    /// Elements that were not: of lists that did not fit.
+    pub skipped: u64,
     /// Those of which some bit differs.
     pub unequal: u64,
     /// Those that the comparator refuses, ascending.
@@ -81,6 +83,8 @@ pub fn compare(
     };
     for i in 0..count {
         if unfit.iter().any(|list| list.contains(&i)) {
+            found.elements -= 1;
+            found.skipped += 1;
             continue;
         }
         let [at_a, at_b] = match &places {

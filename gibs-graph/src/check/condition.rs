@@ -82,7 +82,7 @@ impl Condition {
             let Some((base, moved)) = outputs.split_first() else {
                 return false;
             };
-            let base = word(base);
+            let base: Option<u32> = word(base);
             let moved: Vec<_> = moved.iter().map(|bytes| word(bytes)).collect();
             let [p, q] = [x, y].map(|bits| f64::from(f32::from_bits(bits)));
             if leaf.scalar == Scalar::F32 && p.is_finite() && q.is_finite() {
@@ -102,19 +102,10 @@ impl Condition {
                     && y != UNWRITTEN
                     && moved.iter().flatten().any(|&bits| !is_number(bits));
             }
-            let integer = |bits: u32| match leaf.scalar {
-                Scalar::I32 => f64::from(bits.cast_signed()),
-                _ => f64::from(bits),
-            };
-            let Some(base) = base.map(integer) else {
-                return false;
-            };
-            let spread = moved
-                .iter()
-                .flatten()
-                .map(|&bits| (integer(bits) - base).abs())
-                .fold(0.0, f64::max);
-            (integer(x) - integer(y)).abs() <= SPREAD * spread
+            // An integer has no distance: it may be an index, a mask or two halves. What decided about it explains it only
+            // where moved inputs give the very values that the two have.
+            let given = |bits: u32| base == Some(bits) || moved.contains(&Some(bits));
+            given(x) && given(y)
         })
     }
 }

@@ -6,6 +6,7 @@ use super::isolate::isolate;
 use super::lockstep::{Written, written};
 use super::report::{PairReport, PortReport, StepReport, Verdict};
 use super::run::CheckOptions;
+use super::untouched::{UNTOUCHED, only_read};
 use super::{Difference, Participant};
 use crate::{
     Access, Action, Backend, BackendError, Comparator, Order, Ports, ResourceId, Schedule, Step,
@@ -91,9 +92,13 @@ impl Judge<'_> {
 /// Adds a frame to a pair; whether it has a difference.
 pub(crate) fn tally(pair: &mut PairReport, frame: u32, found: Comparison, undecided: u64) -> bool {
     let refused = found.refused.len() as u64;
-    let differs = refused > undecided || undecided > undecided_cap(found.elements);
     pair.frames += 1;
     pair.elements += found.elements;
+    pair.skipped += found.skipped;
+    // Over all frames as well, so that a port of one element cannot be undecided in each.
+    let too_many = undecided > undecided_cap(found.elements)
+        || pair.undecided + undecided > undecided_cap(pair.elements);
+    let differs = refused > undecided || too_many;
     pair.unequal += found.unequal;
     pair.undecided += undecided;
     pair.refused += refused - undecided;
@@ -138,17 +143,28 @@ pub(crate) fn steps(
             step: i,
             label: step.label.clone(),
             stage: stage(step).into(),
-            ports: written(step)
-                .into_iter()
-                .map(|written| PortReport {
-                    port: written.port.into(),
-                    resource: schedule.resources[written.resource as usize].key.clone(),
-                    comparator: written.comparator,
+            ports: compared(schedule, i)
+                .map(|(port, resource, comparator)| PortReport {
+                    port: port.into(),
+                    resource: schedule.resources[resource as usize].key.clone(),
+                    comparator,
                     pairs: pairs(participants, options),
                 })
                 .collect(),
         })
         .collect()
+}
+
+/// What is compared of a step: what it writes, then what it has to leave as it is.
+pub(crate) fn compared(
+    schedule: &Schedule,
+    index: usize,
+) -> impl Iterator<Item = (&'static str, ResourceId, Comparator)> {
+    let written = written(&schedule.steps[index]).into_iter();
+    let read = only_read(schedule, index).into_iter();
+    written
+        .map(|port| (port.port, port.resource, port.comparator))
+        .chain(read.map(|port| (port.port, port.resource, UNTOUCHED)))
 }
 
 fn pairs(participants: &[Participant<'_>], options: &CheckOptions) -> Vec<PairReport> {
@@ -164,6 +180,7 @@ fn pairs(participants: &[Participant<'_>], options: &CheckOptions) -> Vec<PairRe
                 .any(|(x, y)| (x == a.name && y == b.name) || (x == b.name && y == a.name)),
             frames: 0,
             elements: 0,
+            skipped: 0,
             unequal: 0,
             undecided: 0,
             refused: 0,
@@ -172,4 +189,54 @@ fn pairs(participants: &[Participant<'_>], options: &CheckOptions) -> Vec<PairRe
             verdict: Verdict::Equal,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> PairReport {
+        let frames = 0;
+        PairReport {
+            a: "a".into(),
+            b: "b".into(),
+            exact: false,
+            frames,
+            elements: 0,
+            skipped: 0,
+            unequal: 0,
+            undecided: 0,
+            refused: 0,
+            worst: None,
+            differs_in: None,
+            verdict: Verdict::Equal,
+        }
+    }
+
+    #[test]
+    fn a_port_of_one_element_is_undecided_once() {
+        let wrong = || Comparison {
+            elements: 1,
+            unequal: 1,
+            refused: vec![0],
+            ..Comparison::default()
+        };
+        let mut pair = pair();
+        assert!(!tally(&mut pair, 0, wrong(), 1));
+        assert_eq!(pair.verdict, Verdict::Undecided);
+        assert!(tally(&mut pair, 1, wrong(), 1), "one of two");
+        assert_eq!((pair.verdict, pair.differs_in), (Verdict::Differs, Some(1)));
+    }
+
+    #[test]
+    fn what_is_skipped_is_not_compared() {
+        let half = Comparison {
+            elements: 6,
+            skipped: 4,
+            ..Comparison::default()
+        };
+        let mut pair = pair();
+        tally(&mut pair, 0, half, 0);
+        assert_eq!((pair.elements, pair.skipped), (6, 4));
+    }
 }

@@ -1,10 +1,11 @@
 //! Frames in lockstep: every step from equal inputs on every backend.
-use super::compare::compare;
+use super::compare::{Comparison, compare};
 use super::contents::{Contents, poison};
 use super::isolate::isolate;
 use super::judge::{Judge, steps, tally};
-use super::report::CaseReport;
+use super::report::{CaseReport, PairReport};
 use super::run::CheckOptions;
+use super::untouched::{UNTOUCHED, only_read};
 use super::{Capture, Case, CheckError, Participant};
 use crate::{
     Action, BackendError, Comparator, DispatchStep, Executable, Kind, Order, ResourceId, Schedule,
@@ -38,6 +39,14 @@ pub(crate) fn written(step: &Step) -> Vec<Written> {
             })
             .collect(),
     }
+}
+
+/// Where the two of a pair stand.
+fn places(participants: &[Participant<'_>], pair: &PairReport) -> [usize; 2] {
+    [&pair.a, &pair.b].map(|name| {
+        let place = participants.iter().position(|p| p.name == name);
+        place.unwrap_or_default()
+    })
 }
 
 /// Backends in lockstep.
@@ -213,6 +222,8 @@ impl<'a> Lockstep<'a> {
                 .map_err(|source| failed(self.participants[0].name, &step.label, source))?;
             self.settle(step, outputs)
                 .map_err(|source| failed("all", &step.label, source))?;
+            self.look_after(&name, frame, i, captures)
+                .map_err(|(backend, source)| failed(backend, &step.label, source))?;
         }
         self.report.frames += 1;
         self.next = frame + 1;
@@ -221,30 +232,85 @@ impl<'a> Lockstep<'a> {
 
     /// For each port that the step writes, what each participant has.
     fn outputs(&mut self, step: &Step) -> Result<Vec<Vec<Vec<u8>>>, (&'a str, BackendError)> {
-        let mut outputs = Vec::new();
-        for written in written(step) {
-            let lanes = self.execs.iter_mut().zip(self.participants);
-            let read: Result<Vec<_>, _> = lanes
-                .map(|(exec, participant)| {
-                    let read = exec.read(written.resource);
-                    read.map_err(|source| (participant.name, source))
-                })
-                .collect();
-            outputs.push(read?);
+        let written = written(step).into_iter();
+        written.map(|written| self.read(written.resource)).collect()
+    }
+
+    /// What each participant has of a resource.
+    fn read(&mut self, resource: ResourceId) -> Result<Vec<Vec<u8>>, (&'a str, BackendError)> {
+        let lanes = self.execs.iter_mut().zip(self.participants);
+        lanes
+            .map(|(exec, participant)| {
+                let read = exec.read(resource);
+                read.map_err(|source| (participant.name, source))
+            })
+            .collect()
+    }
+
+    /// Sees whether the participants have left alike what the step only reads.
+    fn look_after(
+        &mut self,
+        case: &str,
+        frame: u32,
+        index: usize,
+        captures: &mut Vec<Capture>,
+    ) -> Result<(), (&'a str, BackendError)> {
+        let schedule = self.schedule.clone();
+        let mut differs = None;
+        for read in only_read(&schedule, index) {
+            let lanes = self.read(read.resource)?;
+            let resource = &schedule.resources[read.resource as usize];
+            let step = self.report.steps.iter_mut().find(|r| r.step == index);
+            let ports = step.map(|step| &mut step.ports);
+            let port = ports.and_then(|ports| ports.iter_mut().find(|p| p.port == read.port));
+            for pair in port.into_iter().flat_map(|port| &mut port.pairs) {
+                let [a, b] = places(self.participants, pair);
+                let found = match lanes[a] == lanes[b] && lanes[a].len() as u64 == resource.bytes {
+                    true => Comparison {
+                        elements: resource.len,
+                        ..Comparison::default()
+                    },
+                    false => compare(
+                        &resource.element,
+                        resource.len,
+                        &UNTOUCHED,
+                        &lanes[a],
+                        &lanes[b],
+                        &[],
+                    ),
+                };
+                if tally(pair, frame, found, 0) {
+                    differs.get_or_insert((a, b));
+                }
+            }
+            self.settle_one(read.resource, lanes)
+                .map_err(|source| ("all", source))?;
         }
-        Ok(outputs)
+        if let Some((a, b)) = differs {
+            self.keep_capture(case, frame, index, &[], [a, b], captures);
+        }
+        Ok(())
     }
 
     /// All go on from what the first one made.
     fn settle(&mut self, step: &Step, outputs: Vec<Vec<Vec<u8>>>) -> Result<(), BackendError> {
-        for (written, mut lanes) in written(step).into_iter().zip(outputs) {
-            for (exec, bytes) in self.execs.iter_mut().zip(&lanes).skip(1) {
-                if *bytes != lanes[0] {
-                    exec.upload(written.resource, 0, &lanes[0])?;
-                }
-            }
-            self.contents.current[written.resource as usize] = lanes.swap_remove(0);
+        for (written, lanes) in written(step).into_iter().zip(outputs) {
+            self.settle_one(written.resource, lanes)?;
         }
+        Ok(())
+    }
+
+    fn settle_one(
+        &mut self,
+        resource: ResourceId,
+        mut lanes: Vec<Vec<u8>>,
+    ) -> Result<(), BackendError> {
+        for (exec, bytes) in self.execs.iter_mut().zip(&lanes).skip(1) {
+            if *bytes != lanes[0] {
+                exec.upload(resource, 0, &lanes[0])?;
+            }
+        }
+        self.contents.current[resource as usize] = lanes.swap_remove(0);
         Ok(())
     }
 
@@ -279,12 +345,7 @@ impl<'a> Lockstep<'a> {
         for ((written, port), lanes) in ports.zip(outputs) {
             let lists = judge.lists(&written.comparator, outputs);
             for pair in &mut port.pairs {
-                let [a, b] = [&pair.a, &pair.b].map(|name| {
-                    self.participants
-                        .iter()
-                        .position(|p| p.name == name)
-                        .unwrap_or_default()
-                });
+                let [a, b] = places(self.participants, pair);
                 // What the report says is what was used.
                 let mut comparator = port.comparator;
                 if pair.exact && comparator.order == Order::InOrder {
@@ -302,16 +363,27 @@ impl<'a> Lockstep<'a> {
                 }
             }
         }
-        let known = captures
-            .iter()
-            .any(|c| c.case == case && c.label == step.label);
-        if let Some((a, b)) = differs
-            && captures.len() < self.options.captures
-            && !known
-        {
-            captures.extend(self.capture(case, frame, index, outputs, &[a, b]));
+        if let Some((a, b)) = differs {
+            self.keep_capture(case, frame, index, outputs, [a, b], captures);
         }
         Ok(())
+    }
+
+    /// Adds a capture of a step to those of others, as far as there is room.
+    fn keep_capture(
+        &self,
+        case: &str,
+        frame: u32,
+        index: usize,
+        outputs: &[Vec<Vec<u8>>],
+        lanes: [usize; 2],
+        captures: &mut Vec<Capture>,
+    ) {
+        let label = &self.schedule.steps[index].label;
+        let known = captures.iter().any(|c| c.case == case && c.label == *label);
+        if captures.len() < self.options.captures && !known {
+            captures.extend(self.capture(case, frame, index, outputs, &lanes));
+        }
     }
 
     /// A step with what it read, and what some participants made of it; `None` for a clear.

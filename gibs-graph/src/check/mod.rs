@@ -28,6 +28,7 @@ mod reduce;
 mod replay;
 mod report;
 mod run;
+mod untouched;
 
 pub use bisect::{Parting, Way, bisect};
 pub use capture::{Capture, CapturedBuffer, CapturedSize, Origin};

@@ -45,11 +45,11 @@ pub struct StepReport {
     pub label: String,
     /// Type name of the stage; empty for a clear.
     pub stage: String,
-    /// What it writes.
+    /// What it writes, and then what it only reads and has to leave as it is.
     pub ports: Vec<PortReport>,
 }
 
-/// One port that a step writes.
+/// One port of a step.
 #[derive(Clone, Debug, Serialize)]
 pub struct PortReport {
     /// Port; `cleared` for a clear.
@@ -75,6 +75,8 @@ pub struct PairReport {
     pub frames: u32,
     /// Elements that were compared, over all frames.
     pub elements: u64,
+    /// Elements that were not, since their list did not fit: which are there is chance, and nothing reads them.
+    pub skipped: u64,
     /// Elements of which a bit differs.
     pub unequal: u64,
     /// Elements that the comparator refuses, but which move as far when inputs are rounded once more.
@@ -131,6 +133,11 @@ impl Report {
         self.pairs().map(|(.., pair)| pair.elements).sum()
     }
 
+    /// Elements of lists that did not fit, which were not compared.
+    pub fn skipped(&self) -> u64 {
+        self.pairs().map(|(.., pair)| pair.skipped).sum()
+    }
+
     /// What is not as a complete check of these cases on these participants would have left it: a step, a port or a pair of
     /// participants of which not all elements were compared in every frame, a comparator that is looser than the declared one, a
     /// verdict that the figures do not bear out. Empty for a check that says what it seems to say.
@@ -184,25 +191,23 @@ fn gaps_of(
             gap("", "the step was not compared");
             continue;
         };
-        for written in super::lockstep::written(step) {
-            let Some(port) = found.ports.iter().find(|port| port.port == written.port) else {
-                gap(written.port, "the port was not compared");
+        for (name, resource, comparator) in super::judge::compared(schedule, i) {
+            let Some(port) = found.ports.iter().find(|port| port.port == name) else {
+                gap(name, "the port was not compared");
                 continue;
             };
-            if is_looser(&port.comparator, &written.comparator) {
-                gap(
-                    written.port,
-                    "the comparator is looser than the declared one",
-                );
+            if is_looser(&port.comparator, &comparator) {
+                gap(name, "the comparator is looser than the declared one");
             }
-            let len = schedule.resources[written.resource as usize].len;
+            let in_lists = matches!(comparator.order, crate::Order::AnyWithin(_));
+            let len = schedule.resources[resource as usize].len;
             for (a, b) in pairs_of(participants) {
                 let pair = port.pairs.iter().find(|pair| pair.a == a && pair.b == b);
                 match pair {
-                    None => gap(written.port, &format!("{a} and {b} were not compared")),
+                    None => gap(name, &format!("{a} and {b} were not compared")),
                     Some(pair) => {
-                        for problem in pair.inconsistencies(frames, len) {
-                            gap(written.port, &format!("{a} and {b}: {problem}"));
+                        for problem in pair.inconsistencies(frames, len, in_lists) {
+                            gap(name, &format!("{a} and {b}: {problem}"));
                         }
                     }
                 }
@@ -218,14 +223,15 @@ fn pairs_of<'a>(participants: &'a [Participant<'_>]) -> impl Iterator<Item = (&'
 }
 
 impl PairReport {
-    /// `len` is the number of elements of the port.
-    fn inconsistencies(&self, frames: u32, len: u64) -> Vec<String> {
+    /// `len` is the number of elements of the port, of which only those in lists may be skipped.
+    fn inconsistencies(&self, frames: u32, len: u64, in_lists: bool) -> Vec<String> {
         let mut found = Vec::new();
         if self.frames != frames {
             found.push(format!("compared in {} of {frames} frames", self.frames));
         }
         let all = u64::from(frames) * len;
-        if self.elements != all {
+        let skipped = if in_lists { self.skipped } else { 0 };
+        if self.elements + skipped != all {
             found.push(format!("compared {} of {all} elements", self.elements));
         }
         let bears_out = match self.verdict {
