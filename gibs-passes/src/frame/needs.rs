@@ -132,6 +132,15 @@ pub fn needs(frame: &SurfelFrame, sizes: &SceneSizes) -> Result<Vec<Need>, Graph
             &|other| other.sorting = !other.sorting,
         )?,
         setting(
+            "ray queries",
+            settings.ray_queries,
+            format!(
+                "the setting ray_queries = {}",
+                if settings.ray_queries { "on" } else { "off" }
+            ),
+            &|other| other.ray_queries = !other.ray_queries,
+        )?,
+        setting(
             "paths beyond a hit",
             paths > 0,
             format!("the setting continuations = {paths}"),
