@@ -4,6 +4,7 @@ mod common;
 
 use common::{all_backends, cpu, is_strict, render, settings};
 use gibs::builtin;
+use gibs::check::{CheckOptions, Participant, Verdict, check, surfels};
 use gibs::compare::{CompareOptions, compare};
 use gibs::graph::glam::{DAffine3, DQuat, DVec3, Vec3};
 use gibs::graph::{
@@ -268,7 +269,10 @@ fn a_structure_follows_the_scene() {
         let first = run(exec.as_mut());
         give(exec.as_mut(), &after, &rays);
         let second = run(exec.as_mut());
-        assert!(first != second);
+        assert_ne!(
+            bytemuck::cast_slice::<_, u8>(&first.0),
+            bytemuck::cast_slice::<_, u8>(&second.0)
+        );
         alike(&what("moved"), &oracle, &second);
         exec.adopt(traced()).expect("adopts");
         alike(&what("adopted"), &second, &run(exec.as_mut()));
@@ -302,6 +306,66 @@ fn frames_are_those_of_the_software() {
             assert!(report.passed() && flip < 0.002, "{report}");
         }
     }
+}
+
+/// Every stage from equal inputs, the scalar CPU kernels first: what a step alone traces in goes along with it.
+#[test]
+fn every_stage_agrees_with_the_cpu() {
+    let scene = builtin::by_name("glass").expect("built in");
+    let settings = Settings {
+        ray_queries: true,
+        rays: 2000,
+        surfels: 512,
+        ..Settings::default()
+    };
+    let frames = vec![0, 2, 5];
+    let case = surfels("glass", &scene, [32, 24], frames, &settings).expect("a frame");
+    let (oracle, backends) = (cpu(), backends());
+    let mut participants = vec![Participant::new(oracle.as_ref())];
+    participants.extend(backends.iter().map(|b| Participant::new(b.as_ref())));
+    if participants.len() == 1 {
+        return;
+    }
+    let options = CheckOptions::default();
+    let checked = check(&mut [case], &participants, &options, |_, _, _| {});
+    let report = checked.expect("every backend runs").report;
+    let traced = report.cases.iter().flat_map(|case| &case.steps);
+    assert!(
+        traced
+            .filter(|step| step.stage.starts_with("Trace"))
+            .count()
+            > 2
+    );
+    for (_, step, port, pair) in report.pairs() {
+        let found = format!("{} {}: {pair:?}", step.label, port.port);
+        assert!(pair.verdict < Verdict::Expected, "{found}");
+    }
+}
+
+/// The same words as Vulkan's, through wgpu.
+#[cfg(feature = "wgpu")]
+#[test]
+fn wgpu_takes_the_words_of_vulkan() {
+    use gibs_backend_wgpu::{Options, WgpuBackend};
+    let scene = device(&crowd(1));
+    let rays = rays(&scene, RAYS);
+    let options = Options {
+        same_spirv: true,
+        ..Options::default()
+    };
+    let backend = match WgpuBackend::new(options) {
+        Ok(backend) if backend.capabilities().ray_query => backend,
+        Ok(_) if is_strict() => panic!("wgpu has no ray queries"),
+        Err(error) if is_strict() => panic!("{error}"),
+        _ => return eprintln!("not run: wgpu takes no SPIR-V, or has no ray queries"),
+    };
+    let [software, queried] = [false, true].map(|ray_queries| {
+        let schedule = schedule(&scene, RAYS as u64, ray_queries);
+        let mut exec = backend.prepare(schedule).expect("prepares");
+        give(exec.as_mut(), &scene, &rays);
+        run(exec.as_mut())
+    });
+    alike("crowd, the same words", &software, &queried);
 }
 
 #[test]

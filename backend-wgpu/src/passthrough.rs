@@ -1,4 +1,4 @@
-//! Kernels as SPIR-V words. The one unsafe module of this crate.
+//! Kernels as SPIR-V words. Beside the leave to use ray queries (`device`), the one unsafe part of this crate.
 #![allow(unsafe_code)]
 use crate::context::Context;
 use gibs_shaders::{CompiledKernel, SPIRV};
