@@ -2,6 +2,7 @@
 use crate::image;
 use crate::instance::{Instance, OLDEST, no_driver, unavailable, version};
 use crate::limits;
+use crate::rays::{self, Rays};
 use ash::{khr, vk};
 use gibs_graph::{BackendError, Capabilities, DeviceInfo};
 use std::ffi::{CStr, CString};
@@ -21,6 +22,8 @@ pub(crate) struct Adapter {
     pub timestamp_period: f32,
     /// Names the file that compiled pipelines are kept in.
     pub cache_key: String,
+    /// What ray queries take, where the device has them.
+    pub rays: Option<Rays>,
     /// Extensions to enable.
     pub extensions: Vec<&'static CStr>,
     rank: u8,
@@ -143,6 +146,12 @@ impl Adapter {
         if api < vk::API_VERSION_1_3 {
             enable.push(khr::zero_initialize_workgroup_memory::NAME);
         }
+        let rays = Rays::read(instance, physical, api, &offers);
+        if rays.is_some() {
+            enable.extend(rays::EXTENSIONS);
+        }
+        let mut capabilities = limits::capabilities(&basic.limits, formats, max_buffer, heap);
+        Rays::allow(rays, &mut capabilities);
         Self {
             physical,
             info: DeviceInfo {
@@ -150,15 +159,16 @@ impl Adapter {
                 driver: format!("{driver_name} {driver_text}").trim().to_string(),
                 kind: kind.into(),
                 timestamps: timestamp_bits > 0,
-                ray_query: offers(khr::ray_query::NAME),
+                ray_query: rays.is_some(),
                 notes,
             },
-            capabilities: limits::capabilities(&basic.limits, formats, max_buffer, heap),
+            capabilities,
             api,
             family,
             timestamp_bits,
             timestamp_period: basic.limits.timestamp_period,
             cache_key: cache_key(&basic),
+            rays,
             extensions: enable,
             rank,
             unusable,
@@ -168,6 +178,13 @@ impl Adapter {
     /// Why the device cannot be used, if it cannot.
     pub fn unusable(&self) -> Option<&str> {
         self.unusable.as_deref()
+    }
+
+    /// Leaves ray queries alone: a host has made the device without them.
+    pub fn without_rays(&mut self) {
+        self.rays = None;
+        self.info.ray_query = false;
+        Rays::allow(None, &mut self.capabilities);
     }
 
     /// Takes the queue family that a host chose.

@@ -72,6 +72,44 @@ impl VulkanBackend {
         queue: vk::Queue,
         family: u32,
     ) -> Result<Self, BackendError> {
+        let handles = (entry, instance, api, physical_device, device);
+        Self::of_host(handles, (queue, family), false)
+    }
+
+    /// As [`VulkanBackend::from_host`], of a device that was made to trace rays.
+    ///
+    /// # Errors
+    /// As [`VulkanBackend::from_host`], and if the physical device has no ray queries.
+    ///
+    /// # Safety
+    /// As [`VulkanBackend::from_host`]; and the device was made with the extensions `VK_KHR_acceleration_structure`,
+    /// `VK_KHR_deferred_host_operations` and `VK_KHR_ray_query` and the features `accelerationStructure`, `rayQuery` and
+    /// `bufferDeviceAddress`.
+    pub unsafe fn from_host_with_ray_queries(
+        entry: ash::Entry,
+        instance: ash::Instance,
+        api: u32,
+        physical_device: vk::PhysicalDevice,
+        device: ash::Device,
+        queue: vk::Queue,
+        family: u32,
+    ) -> Result<Self, BackendError> {
+        let handles = (entry, instance, api, physical_device, device);
+        Self::of_host(handles, (queue, family), true)
+    }
+
+    fn of_host(
+        handles: (
+            ash::Entry,
+            ash::Instance,
+            u32,
+            vk::PhysicalDevice,
+            ash::Device,
+        ),
+        (queue, family): (vk::Queue, u32),
+        traces: bool,
+    ) -> Result<Self, BackendError> {
+        let (entry, instance, api, physical_device, device) = handles;
         let instance = Instance::from_host(entry, instance, api);
         let mut adapter = Adapter::read(&instance, physical_device);
         adapter.use_family(&instance, family);
@@ -79,6 +117,14 @@ impl VulkanBackend {
             return Err(unavailable(
                 format!("the device `{}` {reason}", adapter.info.name),
                 "make the device for Vulkan 1.2 or newer and with a compute queue",
+            ));
+        }
+        if !traces {
+            adapter.without_rays();
+        } else if adapter.rays.is_none() {
+            return Err(unavailable(
+                format!("the device `{}` has no ray queries", adapter.info.name),
+                "use from_host, which does without them",
             ));
         }
         let device = Device::share(instance, adapter, device, queue, false)?;

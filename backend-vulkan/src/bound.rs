@@ -20,6 +20,11 @@ impl Bound<'_> {
         }
     }
 
+    /// What rays are traced in.
+    pub fn structure(self, resource: ResourceId) -> Option<vk::AccelerationStructureKHR> {
+        self.stores.structures.top(resource)
+    }
+
     /// The view of an image, and the layout in which stages see it.
     pub fn view(self, resource: ResourceId) -> Option<(vk::ImageView, vk::ImageLayout)> {
         match self.imports.get(resource) {

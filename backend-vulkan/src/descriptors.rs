@@ -34,6 +34,7 @@ struct Set {
 enum Target {
     Buffer([vk::DescriptorBufferInfo; 1]),
     Image([vk::DescriptorImageInfo; 1]),
+    Structure([vk::AccelerationStructureKHR; 1]),
 }
 
 impl Descriptors {
@@ -94,6 +95,7 @@ impl Descriptors {
             let handle = match target(schedule, dispatch, slot, bound, parity) {
                 Some(Target::Buffer([info])) => info.buffer.as_raw(),
                 Some(Target::Image([info])) => info.image_view.as_raw(),
+                Some(Target::Structure([raw])) => raw.as_raw(),
                 None => 0,
             };
             self.handles.push(handle);
@@ -138,9 +140,20 @@ impl Descriptors {
             .iter()
             .filter_map(|slot| Some((slot, target(schedule, dispatch, slot, bound, parity)?)))
             .collect();
+        let mut structures: Vec<_> = targets
+            .iter()
+            .map(|(_, target)| {
+                let structure = vk::WriteDescriptorSetAccelerationStructureKHR::default();
+                match target {
+                    Target::Structure(raw) => structure.acceleration_structures(raw),
+                    _ => structure,
+                }
+            })
+            .collect();
         let writes: Vec<_> = targets
             .iter()
-            .map(|(slot, target)| {
+            .zip(&mut structures)
+            .map(|((slot, target), structure)| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(slot.binding)
@@ -148,6 +161,7 @@ impl Descriptors {
                 match target {
                     Target::Buffer(info) => write.buffer_info(info),
                     Target::Image(info) => write.image_info(info),
+                    Target::Structure(_) => write.descriptor_count(1).push_next(structure),
                 }
             })
             .collect();
@@ -173,6 +187,9 @@ fn target(
             .image_view(view)
             .image_layout(layout);
         return Some(Target::Image([info]));
+    }
+    if binding.access == Access::Acceleration {
+        return Some(Target::Structure([bound.structure(binding.resource)?]));
     }
     let (parity, range) = match binding.access {
         Access::Previous => (parity + 1, resource.bytes),

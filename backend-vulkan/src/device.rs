@@ -3,7 +3,7 @@ use crate::adapter::Adapter;
 use crate::cache;
 use crate::instance::{Instance, no_driver};
 use crate::kernels::Kernels;
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gibs_graph::BackendError;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
@@ -23,6 +23,8 @@ pub(crate) struct Device {
     pub pipeline_cache: vk::PipelineCache,
     cache_path: Option<PathBuf>,
     names: Option<ext::debug_utils::Device>,
+    /// Functions of acceleration structures, where ray queries were enabled.
+    pub rays: Option<khr::acceleration_structure::Device>,
     owned: bool,
     /// Last, since everything above was made from it.
     pub instance: Instance,
@@ -44,7 +46,13 @@ impl Device {
             .queue_family_index(adapter.family)
             .queue_priorities(&priorities)];
         let extensions: Vec<_> = adapter.extensions.iter().map(|e| e.as_ptr()).collect();
-        let mut v12 = vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true);
+        let traces = adapter.rays.is_some();
+        let mut v12 = vk::PhysicalDeviceVulkan12Features::default()
+            .timeline_semaphore(true)
+            .buffer_device_address(traces);
+        let mut structures = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default()
+            .acceleration_structure(true);
+        let mut queries = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
             .shader_zero_initialize_workgroup_memory(true)
             .maintenance4(true);
@@ -59,6 +67,9 @@ impl Device {
         } else {
             info.push_next(&mut zero)
         };
+        if traces {
+            info = info.push_next(&mut structures).push_next(&mut queries);
+        }
         // SAFETY: the physical device belongs to the instance, was found to have these features and extensions, and
         // all pointers are to locals that live until after the call.
         let raw =
@@ -89,6 +100,9 @@ impl Device {
         let names = instance
             .names
             .then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
+        let rays = adapter
+            .rays
+            .map(|_| khr::acceleration_structure::Device::new(&instance.raw, &raw));
         let cache_path = cache::path(&adapter.cache_key);
         let mut device = Self {
             raw,
@@ -99,6 +113,7 @@ impl Device {
             pipeline_cache: vk::PipelineCache::null(),
             cache_path,
             names,
+            rays,
             owned,
             instance,
         };
@@ -107,7 +122,7 @@ impl Device {
             device: device.raw.clone(),
             physical_device: device.adapter.physical,
             debug_settings: AllocatorDebugSettings::default(),
-            buffer_device_address: false,
+            buffer_device_address: device.rays.is_some(),
             allocation_sizes: sizes,
         });
         let allocator = allocator.map_err(|e| BackendError::Device {

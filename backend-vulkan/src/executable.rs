@@ -169,6 +169,9 @@ impl Executable for VulkanExecutable {
         if bytes.is_empty() {
             return Ok(());
         }
+        if self.stores.structures.write(resource, offset, bytes) {
+            return Ok(());
+        }
         let Some(target) = self.stores.buffer(resource, self.parity) else {
             // Only CPU kernels read it.
             return Ok(());
@@ -185,6 +188,7 @@ impl Executable for VulkanExecutable {
 
     fn run(&mut self) -> Result<(), BackendError> {
         let parity = 1 - self.parity;
+        self.stores.build_structures(&mut self.stream)?;
         self.stream.wait(self.frames[parity].last)?;
         self.resolve(parity)?;
         if self.frames[parity].recorded != Some(self.measuring) {
@@ -206,6 +210,7 @@ impl Executable for VulkanExecutable {
 
     fn run_step(&mut self, step: usize) -> Result<(), BackendError> {
         check_step(&self.schedule, step)?;
+        self.stores.build_structures(&mut self.stream)?;
         self.resolve(self.parity)?;
         let commands = self.stream.batch()?;
         // SAFETY: the batch is being recorded; as for frames, everything outlives the work.
@@ -227,6 +232,9 @@ impl Executable for VulkanExecutable {
         if image.is_some() {
             return self.read_image(resource);
         }
+        if let Some(instances) = self.stores.structures.read(resource) {
+            return Ok(instances);
+        }
         match self.stores.buffer(resource, self.parity) {
             Some(buffer) => self.stream.read(buffer, *bytes),
             None => {
@@ -247,6 +255,7 @@ impl Executable for VulkanExecutable {
     }
 
     fn wait(&mut self) -> Result<(), BackendError> {
+        self.stores.build_structures(&mut self.stream)?;
         self.stream.finish()
     }
 
@@ -274,6 +283,8 @@ impl Executable for VulkanExecutable {
         let mut new = Self::new(&self.stream.device, schedule)?;
         let pairs = new.schedule.adoptions(&self.schedule);
         for &(from, to) in &pairs {
+            let structures = &mut new.stores.structures;
+            structures.adopt(to, &self.stores.structures, from);
             let resource = &self.schedule.resources[from as usize];
             for other in 0..resource.kind.allocations() as usize {
                 // The first frame is an odd one, so what is current now is so for even parity.

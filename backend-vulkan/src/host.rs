@@ -36,7 +36,8 @@ impl VulkanExecutable {
     /// [`Executable::wait`]: gibs_graph::Executable::wait
     ///
     /// # Errors
-    /// [`BackendError::Refused`] while uploads that do not come along, or a reset, were not sent off;
+    /// [`BackendError::Refused`] while uploads that do not come along, or a reset, were not sent off, or what rays are
+    /// traced in changed: [`Executable::wait`] builds it, too;
     /// [`BackendError::OutOfMemory`]; the device failed. Then nothing was recorded.
     ///
     /// # Safety
@@ -49,10 +50,10 @@ impl VulkanExecutable {
     /// - Every recorded frame is done before the executable is dropped, or adopts a schedule. The executable itself waits only
     ///   for what it submitted.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer) -> Result<(), BackendError> {
-        if self.stream.is_open() {
+        if self.stream.is_open() || self.stores.structures.is_stale() {
             return Err(refused(
                 format!("recording a frame of `{}`", self.schedule.name),
-                "large uploads or a reset before it are recorded, but not submitted",
+                "large uploads or a reset before it are recorded, but not submitted, or an acceleration structure is not built",
                 "call wait() once after uploading a scene or resetting",
             ));
         }

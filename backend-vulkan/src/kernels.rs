@@ -125,6 +125,7 @@ fn kind_of(access: Access) -> vk::DescriptorType {
         Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
         Access::Sampled => vk::DescriptorType::SAMPLED_IMAGE,
         Access::Stored => vk::DescriptorType::STORAGE_IMAGE,
+        Access::Acceleration => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         _ => vk::DescriptorType::STORAGE_BUFFER,
     }
 }

@@ -98,6 +98,10 @@ impl VulkanExecutable {
             key, kind, image, ..
         } = self.resource(resource)?;
         let (reason, remedy) = match (image, kind) {
+            _ if self.stores.structures.uses(resource) => (
+                "an acceleration structure is built from what is uploaded to it",
+                "upload its content",
+            ),
             (None, Kind::Input) => {
                 self.imports.set(resource, Import::Buffer(lent));
                 return Ok(());

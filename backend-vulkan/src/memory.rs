@@ -17,17 +17,52 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// A buffer on the device that stages can use in any way, of at least 16 bytes and a multiple of 4.
-    pub fn resource(device: &Arc<Device>, name: &str, bytes: u64) -> Result<Self, BackendError> {
+    /// A buffer on the device that stages can use in any way, of at least 16 bytes and a multiple of 4; `built_from`
+    /// has acceleration structures built from it.
+    pub fn resource(
+        device: &Arc<Device>,
+        name: &str,
+        bytes: u64,
+        built_from: bool,
+    ) -> Result<Self, BackendError> {
         use vk::BufferUsageFlags as Usage;
         // All uses, because an adopted buffer serves another schedule.
         let usage = Usage::STORAGE_BUFFER
             | Usage::UNIFORM_BUFFER
             | Usage::INDIRECT_BUFFER
             | Usage::TRANSFER_SRC
-            | Usage::TRANSFER_DST;
+            | Usage::TRANSFER_DST
+            | match built_from {
+                true => {
+                    Usage::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
+                        | Usage::SHADER_DEVICE_ADDRESS
+                }
+                false => Usage::empty(),
+            };
         let size = bytes.next_multiple_of(4).max(16);
         Self::new(device, name, size, usage, MemoryLocation::GpuOnly)
+    }
+
+    /// Memory of this use on the device, which has an address there.
+    pub fn device(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Self, BackendError> {
+        let usage = usage | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        Self::new(device, name, size, usage, MemoryLocation::GpuOnly)
+    }
+
+    /// As [`Buffer::device`], written by the host.
+    pub fn host(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Self, BackendError> {
+        let usage = usage | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        Self::new(device, name, size, usage, MemoryLocation::CpuToGpu)
     }
 
     /// Memory that the host writes and the device copies from.
@@ -76,6 +111,13 @@ impl Buffer {
         buffer.memory = Some(memory);
         bound.map_err(device.fail("vkBindBufferMemory"))?;
         Ok(buffer)
+    }
+
+    /// Where the device finds it; of a buffer that was made to have an address.
+    pub fn address(&self) -> u64 {
+        let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
+        // SAFETY: the buffer belongs to this device, which has addresses of buffers, and was made with one.
+        unsafe { self.device.raw.get_buffer_device_address(&info) }
     }
 
     /// The bytes of a staging or read-back buffer; empty for memory that only the device sees.

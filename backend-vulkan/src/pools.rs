@@ -4,11 +4,12 @@ use ash::vk;
 use gibs_graph::BackendError;
 use std::sync::Arc;
 
-const KINDS: [vk::DescriptorType; 4] = [
+const KINDS: [vk::DescriptorType; 5] = [
     vk::DescriptorType::STORAGE_BUFFER,
     vk::DescriptorType::UNIFORM_BUFFER,
     vk::DescriptorType::SAMPLED_IMAGE,
     vk::DescriptorType::STORAGE_IMAGE,
+    vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
 ];
 
 /// Sets, and the descriptors in them, of each of [`KINDS`].

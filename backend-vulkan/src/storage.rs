@@ -3,6 +3,7 @@ use crate::device::Device;
 use crate::image::Image;
 use crate::memory::Buffer;
 use crate::stream::Stream;
+use crate::structures::Structures;
 use gibs_graph::{BackendError, Initial, Kind, Resource, ResourceId, Schedule};
 use std::sync::Arc;
 
@@ -21,7 +22,10 @@ impl Store {
             return Ok(Self::Image(None));
         }
         (0..resource.kind.allocations())
-            .map(|_| Buffer::resource(device, &resource.key, resource.room))
+            .map(|_| {
+                let built_from = resource.usage.triangles;
+                Buffer::resource(device, &resource.key, resource.room, built_from)
+            })
             .collect::<Result<_, _>>()
             .map(Self::Buffers)
     }
@@ -67,6 +71,8 @@ pub(crate) struct Stores {
     stores: Vec<Option<Store>>,
     /// Of each resource, the one whose memory it uses.
     homes: Vec<ResourceId>,
+    /// Acceleration structures.
+    pub structures: Structures,
 }
 
 impl Stores {
@@ -75,14 +81,17 @@ impl Stores {
         Self {
             stores: Vec::with_capacity(schedule.resources.len()),
             homes: schedule.resources.iter().map(|r| r.home).collect(),
+            structures: Structures::default(),
         }
     }
 
     /// Makes memory for everything in `schedule` that the device touches, and sets it to its first value. After an error,
     /// this holds what the stream may already be working on.
     pub fn fill(&mut self, schedule: &Schedule, stream: &mut Stream) -> Result<(), BackendError> {
+        self.structures = Structures::new(&stream.device, schedule)?;
         for (id, resource) in schedule.resources.iter().enumerate() {
-            if !resource.usage.on_device() || resource.home as usize != id {
+            let is_structure = resource.usage.acceleration;
+            if !resource.usage.on_device() || is_structure || resource.home as usize != id {
                 self.stores.push(None);
             } else {
                 let store = Store::new(&stream.device, resource)?;
@@ -127,6 +136,17 @@ impl Stores {
         let made = image.insert(Image::new(&stream.device, &resource.key, shape)?);
         stream.pending.zero(made);
         Ok(())
+    }
+
+    /// Builds the acceleration structures that have to be, and waits for them.
+    pub fn build_structures(&mut self, stream: &mut Stream) -> Result<(), BackendError> {
+        if !self.structures.is_stale() {
+            return Ok(());
+        }
+        let mut structures = std::mem::take(&mut self.structures);
+        let built = structures.build(stream, |resource| self.buffer(resource, 0));
+        self.structures = structures;
+        built
     }
 
     /// Takes an image, if it was made, from the memory of another schedule.

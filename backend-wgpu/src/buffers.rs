@@ -37,6 +37,8 @@ impl Allocation {
     pub fn new(context: &Context, resource: &Resource) -> Result<Self, BackendError> {
         let count = match resource.kind {
             // An image has no buffer, and what is at home elsewhere uses that one.
+            // Nor has an acceleration structure.
+            _ if resource.usage.acceleration => 0,
             _ if !resource.usage.on_device() || resource.image.is_some() || resource.room == 0 => 0,
             Kind::History(_) => 2,
             _ => 1,
@@ -147,7 +149,10 @@ fn create(context: &Context, resource: &Resource) -> Result<wgpu::Buffer, Backen
     let descriptor = wgpu::BufferDescriptor {
         label: Some(&resource.key),
         size,
-        usage: USAGES,
+        usage: match resource.usage.triangles {
+            true => USAGES | BufferUsages::BLAS_INPUT,
+            false => USAGES,
+        },
         mapped_at_creation: false,
     };
     context.guard_as(

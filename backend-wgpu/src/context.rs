@@ -57,7 +57,7 @@ impl Context {
         }
         Self {
             info,
-            capabilities: limits::capabilities(&device.limits()),
+            capabilities: limits::capabilities(&device.limits(), device.features()),
             device,
             queue,
             compiler: Compiler::new(),

@@ -1,5 +1,6 @@
 //! Which devices there are, and which one to use.
 use crate::context::{Context, NAME, Owner};
+use crate::passthrough::takes_words;
 use gibs_graph::{BackendError, DeviceInfo};
 use wgpu::Features;
 
@@ -33,12 +34,12 @@ pub fn devices() -> Vec<DeviceInfo> {
 pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
     let adapter = choose(adapters(), options.adapter.as_deref())?;
     let info = describe(&adapter.get_info(), adapter.features());
-    let mut features = TIMING & adapter.features();
+    let optional = TIMING | Features::EXPERIMENTAL_RAY_QUERY;
+    let mut features = optional & adapter.features();
     if options.same_spirv {
-        let is_vulkan = adapter.get_info().backend == wgpu::Backend::Vulkan;
-        if !is_vulkan || !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {
+        if !takes_words(&adapter) || !adapter.features().contains(Features::PASSTHROUGH_SHADERS) {
             let reason = format!(
-                "the device `{}` takes no SPIR-V (wgpu feature PASSTHROUGH_SHADERS)",
+                "the device `{}` takes no SPIR-V (wgpu feature PASSTHROUGH_SHADERS, on Vulkan 1.3)",
                 info.name
             );
             return Err(unavailable(
@@ -52,7 +53,7 @@ pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
         label: Some("gibs"),
         required_features: features,
         required_limits: adapter.limits(),
-        experimental_features: wgpu::ExperimentalFeatures::disabled(),
+        experimental_features: experimental(features),
         memory_hints: wgpu::MemoryHints::Performance,
         trace: wgpu::Trace::Off,
     });
@@ -69,6 +70,19 @@ pub(crate) fn open(options: &Options) -> Result<Context, BackendError> {
         Owner::Gibs,
         options.same_spirv,
     ))
+}
+
+/// Leave to use ray queries, where the device has them.
+#[allow(unsafe_code)]
+fn experimental(features: Features) -> wgpu::ExperimentalFeatures {
+    if !features.contains(Features::EXPERIMENTAL_RAY_QUERY) {
+        return wgpu::ExperimentalFeatures::disabled();
+    }
+    // SAFETY: of the experimental features only ray queries are asked for. What wgpu leaves to those who use them is kept:
+    // structures are built from buffers of the lengths that were declared, by ranges that the plan was checked against,
+    // and kernels initialize a query before they use it, with a ray whose interval is not empty and without numbers that
+    // are none.
+    unsafe { wgpu::ExperimentalFeatures::enabled() }
 }
 
 /// Takes what an engine has.

@@ -57,7 +57,7 @@ impl WgpuExecutable {
 
     /// Records what waits and a frame, whose steps are bound.
     fn record_frame(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), BackendError> {
-        self.uploads.record(&self.context, encoder)?;
+        self.record_uploads_and_builds(encoder)?;
         self.parity = self.parity.other();
         let mut timer = self.timer.as_mut().filter(|_| self.measuring);
         let recorder = Recorder {
@@ -69,6 +69,17 @@ impl WgpuExecutable {
         if let Some(timer) = &mut timer {
             timer.resolve(encoder);
         }
+        Ok(())
+    }
+
+    /// Records what waits, and builds the acceleration structures that it changes.
+    fn record_uploads_and_builds(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), BackendError> {
+        self.stores.structures.prepare(&self.context)?;
+        self.uploads.record(&self.context, encoder)?;
+        self.stores.record_structures(encoder);
         Ok(())
     }
 
@@ -138,6 +149,9 @@ impl Executable for WgpuExecutable {
         if self.schedule.resources[resource as usize].image.is_some() {
             return self.upload_image(resource, bytes);
         }
+        if self.stores.structures.write(resource, offset, bytes) {
+            return Ok(());
+        }
         let Some(buffer) = self.stores.current(resource, self.parity).cloned() else {
             return Ok(());
         };
@@ -162,7 +176,7 @@ impl Executable for WgpuExecutable {
         check_step(&self.schedule, step)?;
         self.steps.bind(&self.context, &mut self.stores)?;
         self.submit(|this, encoder| {
-            this.uploads.record(&this.context, encoder)?;
+            this.record_uploads_and_builds(encoder)?;
             let recorder = Recorder {
                 stores: &this.stores,
                 parity: this.parity,
@@ -181,6 +195,9 @@ impl Executable for WgpuExecutable {
                 Some(image) => image.read(&self.context),
                 None => Ok(Vec::new()),
             };
+        }
+        if let Some(instances) = self.stores.structures.read(resource) {
+            return Ok(instances);
         }
         self.submit_uploads()?;
         let found = &self.schedule.resources[resource as usize];

@@ -29,6 +29,7 @@ enum Slot {
     ReadOnly,
     ReadWrite,
     Image(ImageFormat),
+    Structure,
 }
 
 /// A kernel, ready to bind.
@@ -74,6 +75,7 @@ fn slot(port: &Port) -> Option<Slot> {
         Access::Read | Access::Previous => Some(Slot::ReadOnly),
         Access::Write | Access::ReadWrite | Access::Atomic => Some(Slot::ReadWrite),
         Access::Sampled | Access::Stored => port.image.map(Slot::Image),
+        Access::Acceleration => Some(Slot::Structure),
         _ => None,
     }
 }
@@ -156,6 +158,9 @@ fn layout_entry(binding: u32, slot: Slot) -> wgpu::BindGroupLayoutEntry {
         Slot::ReadOnly => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
         Slot::ReadWrite => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
         Slot::Image(format) => images::binding_type(format),
+        Slot::Structure => wgpu::BindingType::AccelerationStructure {
+            vertex_return: false,
+        },
     };
     wgpu::BindGroupLayoutEntry {
         binding,
@@ -190,7 +195,12 @@ pub(crate) fn bind(
                 .iter()
                 .find(|(port, _)| *port == binding.port)
                 .map(|(_, number)| *number);
-            let bound = if binding.access.is_image() {
+            let bound = if binding.access == Access::Acceleration {
+                stores
+                    .structures
+                    .top(binding.resource)
+                    .map(wgpu::BindingResource::AccelerationStructure)
+            } else if binding.access.is_image() {
                 stores
                     .view(binding.resource)
                     .map(wgpu::BindingResource::TextureView)

@@ -25,6 +25,7 @@ mod patch;
 mod record;
 mod steps;
 mod stores;
+mod structures;
 mod timing;
 mod uploads;
 

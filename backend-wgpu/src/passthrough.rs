@@ -1,8 +1,20 @@
-//! Kernels as SPIR-V words. The one unsafe module of this crate.
+//! Kernels as SPIR-V words. Beside the leave to use ray queries (`device`), the one unsafe part of this crate.
 #![allow(unsafe_code)]
 use crate::context::Context;
 use gibs_shaders::{CompiledKernel, SPIRV};
 use std::borrow::Cow;
+
+/// Whether the device takes the words as they are: Vulkan 1.3 has SPIR-V up to 1.6, and every device of it zeros workgroup
+/// memory where a module asks for that, which wgpu then enables.
+pub(crate) fn takes_words(adapter: &wgpu::Adapter) -> bool {
+    const VULKAN_1_3: u32 = 1 << 22 | 3 << 12;
+    // SAFETY: the adapter is only looked at, and lives as long.
+    let found = unsafe { adapter.as_hal::<wgpu::hal::api::Vulkan>() };
+    found.is_some_and(|adapter| {
+        let properties = adapter.physical_device_capabilities().properties();
+        properties.api_version >= VULKAN_1_3
+    })
+}
 
 /// A module of the kernel's SPIR-V, which wgpu hands on as it is.
 ///
@@ -25,7 +37,7 @@ pub(crate) fn module(
         spirv: Some(Cow::Owned(words)),
         ..Default::default()
     };
-    // SAFETY: the words were made by naga from a module that naga validated, with bounds checks; its entry point is
+    // SAFETY: the device takes SPIR-V of this version and zeros workgroup memory itself (`takes_words`). The words were made by naga from a module that naga validated, with bounds checks; its entry point is
     // `main`; and its bindings are numbered as wgpu numbers those of the layout, which is made from the same kernel: from 0 without
     // gaps (wgpu-hal, `create_bind_group_layout` on Vulkan).
     Ok(unsafe { context.device.create_shader_module_passthrough(descriptor) })

@@ -2,6 +2,7 @@
 use crate::buffers::{Allocation, Parity};
 use crate::context::Context;
 use crate::images::Image;
+use crate::structures::Structures;
 use gibs_graph::{BackendError, Kind, Resource, ResourceId, Schedule};
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ pub(crate) struct Stores {
     pub allocations: Vec<Allocation>,
     /// Images of the backend's own, made when one is needed.
     images: Vec<Option<Image>>,
+    pub structures: Structures,
     imports: Vec<Option<Import>>,
 }
 
@@ -59,6 +61,11 @@ impl Stores {
             schedule: Arc::clone(schedule),
             allocations,
             images,
+            structures: Structures::new(
+                context,
+                schedule,
+                old.map(|(old, _)| (&old.structures, &*old.schedule)),
+            )?,
             imports: vec![None; count],
         })
     }
@@ -107,6 +114,13 @@ impl Stores {
         Ok(place.as_ref())
     }
 
+    /// Records the builds of acceleration structures that wait.
+    pub fn record_structures(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let mut structures = std::mem::take(&mut self.structures);
+        structures.record(self, encoder);
+        self.structures = structures;
+    }
+
     /// What a host gave for a resource.
     pub fn import(&self, resource: ResourceId) -> Option<&Import> {
         self.imports.get(resource as usize)?.as_ref()
@@ -137,6 +151,12 @@ impl Stores {
             return Err(refuse(
                 "only inputs and transient outputs can be a host's".into(),
                 "leave states and histories to the backend",
+            ));
+        }
+        if self.structures.uses(resource) {
+            return Err(refuse(
+                "an acceleration structure is built from what is uploaded to it".into(),
+                "upload its content",
             ));
         }
         match (&import, found.image) {

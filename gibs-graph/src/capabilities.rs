@@ -26,6 +26,12 @@ pub struct Capabilities {
     pub memory: u64,
     /// What only wide CPU kernels see is kept, too, and counts as memory.
     pub host_data: bool,
+    /// Stages trace rays in acceleration structures: by ray queries, or, on a CPU, without them.
+    pub ray_query: bool,
+    /// Triangles of a bottom level of an acceleration structure.
+    pub structure_triangles: u64,
+    /// Instances in an acceleration structure.
+    pub structure_instances: u64,
     /// Storage buffers of one stage.
     pub storage_buffers: u32,
     /// Uniform buffers of one stage.
@@ -60,6 +66,9 @@ impl Capabilities {
             uniform_binding: 64 << 10,
             memory: u64::MAX,
             host_data: false,
+            ray_query: false,
+            structure_triangles: 0,
+            structure_instances: 0,
             storage_buffers: 8,
             uniform_buffers: 12,
             sampled_images: 16,
@@ -80,6 +89,9 @@ impl Capabilities {
             uniform_binding: u64::MAX,
             memory: u64::MAX,
             host_data: false,
+            ray_query: true,
+            structure_triangles: u64::MAX,
+            structure_instances: u64::MAX,
             storage_buffers: u32::MAX,
             uniform_buffers: u32::MAX,
             sampled_images: u32::MAX,
@@ -148,6 +160,7 @@ impl Check<'_> {
             allowed.buffer,
             SMALLER,
         )?;
+        self.structure(id, resource)?;
         if resource.usage.storage {
             self.allow(
                 || what("bytes of a storage binding"),
@@ -167,10 +180,39 @@ impl Check<'_> {
         Ok(())
     }
 
+    /// What rays are traced in, and its triangles.
+    fn structure(&self, id: ResourceId, resource: &Resource) -> Result<(), BackendError> {
+        let allowed = self.allowed;
+        let what = |unit: &str| format!("{} ({unit})", self.name(id, resource));
+        if resource.usage.triangles {
+            // The most that a bottom level could have.
+            let unit = || what("triangles of an acceleration structure");
+            let most = match allowed.ray_query {
+                true => allowed.structure_triangles,
+                false => u64::MAX,
+            };
+            self.allow(unit, resource.len, most, SMALLER)?;
+        }
+        if !resource.usage.acceleration {
+            return Ok(());
+        }
+        if !allowed.ray_query {
+            return Err(BackendError::Refused {
+                what: self.name(id, resource),
+                reason: format!("the device `{}` has no ray queries", self.device),
+                remedy: "trace without them (the setting ray_queries=off), or use a device and a driver that have them"
+                    .into(),
+            });
+        }
+        let unit = || what("instances of an acceleration structure");
+        self.allow(unit, resource.len, allowed.structure_instances, SMALLER)
+    }
+
     /// The resource, and the first stage that binds it.
     fn name(&self, id: ResourceId, resource: &Resource) -> String {
         let kind = match resource.image {
             Some(_) => "image",
+            None if resource.usage.acceleration => "acceleration structure",
             None => "buffer",
         };
         let binds = |dispatch: &DispatchStep| dispatch.bindings.iter().any(|b| b.resource == id);
@@ -192,7 +234,7 @@ impl Check<'_> {
         let counted: [(&str, Counts, u32); 4] = [
             (
                 "storage buffers",
-                |a| a != Access::Uniform && !a.is_image(),
+                |a| a != Access::Uniform && a != Access::Acceleration && !a.is_image(),
                 allowed.storage_buffers,
             ),
             (

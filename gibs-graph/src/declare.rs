@@ -1,8 +1,8 @@
 //! Declaring the resources of a frame.
 use crate::graph::ResourceDecl;
 use crate::{
-    Buffer, Element, Graph, Image, ImageShape, Initial, Kind, Previous, Sampled, State, Stored,
-    Texel,
+    Acceleration, AccelerationTriangle, Buffer, Element, Graph, Image, ImageShape, Initial, Kind,
+    Previous, Sampled, State, Stored, Texel,
 };
 use std::marker::PhantomData;
 
@@ -12,6 +12,17 @@ impl Graph {
     /// is allocated, since devices bind nothing smaller; [`Buffer::len`] says so.
     pub fn input<T: Element>(&mut self, key: &str, len: u64) -> Buffer<T> {
         self.declare(key, Kind::Input, len)
+    }
+
+    /// What rays are traced in: two inputs that the host writes, `key` of [`AccelerationInstance`](crate::AccelerationInstance)s
+    /// and `KEY_triangles` of [`AccelerationTriangle`]s. A backend whose device traces rays
+    /// ([`Capabilities::ray_query`](crate::Capabilities::ray_query)) builds the structure before the next frame after either was
+    /// written.
+    pub fn acceleration(&mut self, key: &str, triangles: u64, instances: u64) -> Acceleration {
+        let corners = self.input::<AccelerationTriangle>(&format!("{key}_triangles"), triangles);
+        let structure = self.input(key, instances);
+        self.resources[structure.resource as usize].triangles = Some(corners.resource);
+        Acceleration(structure)
     }
 
     /// An image that the host provides and stages only read. Without one from the host, a backend makes its own, which
@@ -87,6 +98,7 @@ impl Graph {
             element: T::layout(),
             len: len.max(1),
             image: None,
+            triangles: None,
             kept: None,
         });
         Buffer {
@@ -110,6 +122,7 @@ impl Graph {
                 format: T::FORMAT,
                 size,
             }),
+            triangles: None,
             kept: None,
         });
         Image {

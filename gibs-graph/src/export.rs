@@ -78,6 +78,7 @@ impl Schedule {
                         Access::Atomic => "a",
                         Access::Previous => "p",
                         Access::HostOnly => "h",
+                        Access::Acceleration => "q",
                         Access::Sampled => "s",
                         Access::Stored => "st",
                         Access::Indirect => "i",

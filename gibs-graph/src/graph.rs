@@ -27,6 +27,8 @@ pub(crate) struct ResourceDecl {
     pub element: Layout,
     pub len: u64,
     pub image: Option<ImageShape>,
+    /// Of an acceleration structure, the resource with its triangles.
+    pub triangles: Option<u32>,
     /// Version that the next frame starts from.
     pub kept: Option<u32>,
 }

@@ -214,6 +214,10 @@ pub struct Previous<T> {
     pub(crate) element: PhantomData<fn() -> T>,
 }
 
+/// An acceleration structure that stages trace rays in; see [`crate::Graph::acceleration`]. Only read.
+#[derive(Debug)]
+pub struct Acceleration(pub(crate) Buffer<crate::AccelerationInstance>);
+
 /// A state that waits for its last version of this frame; see [`crate::Graph::keep`].
 #[derive(Debug)]
 #[must_use = "a state must be kept, or the frame after has nothing to start from"]

@@ -9,10 +9,10 @@
 //! This crate knows no device, no shader tool and no rendering: kernels are data ([`KernelSource`]), and shaders are
 //! checked through the [`ShaderCompiler`] trait.
 #![warn(missing_docs)]
-// What the macros of this crate write names it, also in its own tests.
-#[cfg(test)]
+// What the macros of this crate write names it, also in this crate.
 extern crate self as gibs_graph;
 
+mod acceleration;
 mod backend;
 mod capabilities;
 pub mod check;
@@ -38,6 +38,9 @@ mod step;
 mod texel;
 mod view;
 
+pub use acceleration::{
+    AccelerationInstance, AccelerationPlan, AccelerationSource, AccelerationTriangle, BottomLevel,
+};
 pub use backend::{
     Backend, BackendError, DeviceInfo, Executable, StepTime, check_image, check_range, check_step,
     lent, unknown_step,
@@ -47,7 +50,7 @@ pub use comparator::{Comparator, Floats, Lists, Order, Ports};
 pub use element::{DispatchArgs, Element, Field, Layout, Scalar};
 pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, groups_for};
-pub use handle::{Buffer, Image, Previous, State};
+pub use handle::{Acceleration, Buffer, Image, Previous, State};
 pub use image_view::{ImageStore, ImageView};
 pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
 pub use kind::{Initial, Kind};

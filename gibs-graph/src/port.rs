@@ -39,6 +39,8 @@ pub enum Access {
     Previous,
     /// Seen by the wide CPU kernel only; no device binding exists.
     HostOnly,
+    /// What rays are traced in, `acceleration_structure`.
+    Acceleration,
     /// An image that is read, `texture_2d`.
     Sampled,
     /// An image that is written, `texture_storage_2d<_, write>`. As for [`Access::Write`], what is left out stays.

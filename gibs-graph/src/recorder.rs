@@ -1,7 +1,10 @@
 //! Binding the ports of a stage while it is added.
 use crate::graph::BindingDecl;
 use crate::handle::GraphToken;
-use crate::{Access, Buffer, DispatchArgs, Element, GraphError, Image, Previous, Sampled, Stored};
+use crate::{
+    Acceleration, Access, Buffer, DispatchArgs, Element, GraphError, Image, Previous, Sampled,
+    Stored,
+};
 
 /// Collects the bindings of a stage while it is added. For [`stage!`](crate::stage!) alone: a method per access, which
 /// takes the handle that suits it, so that no stage can bind a resource otherwise than the graph believes.
@@ -55,6 +58,11 @@ impl Recorder<'_> {
     #[doc(hidden)]
     pub fn previous<T: Element>(&mut self, handle: &Previous<T>, port: &'static str) {
         self.bind(handle.token, handle.resource, None, port, Access::Previous);
+    }
+
+    #[doc(hidden)]
+    pub fn acceleration(&mut self, handle: &Acceleration, port: &'static str) {
+        self.bind_buffer(&handle.0, port, Access::Acceleration);
     }
 
     #[doc(hidden)]

@@ -41,6 +41,8 @@ pub struct Resource {
     pub bytes: u64,
     /// Size and texels of an image; `None` for a buffer.
     pub image: Option<ImageShape>,
+    /// Of an acceleration structure, the input with its triangles; `None` for anything else.
+    pub triangles: Option<ResourceId>,
     /// The resource whose memory this one uses, itself unless it shares. Resources that share are never in use at the
     /// same time.
     pub home: ResourceId,
@@ -71,6 +73,10 @@ pub struct Usage {
     pub indirect: bool,
     /// An image.
     pub image: bool,
+    /// Bound as an acceleration structure.
+    pub acceleration: bool,
+    /// Read when an acceleration structure is built.
+    pub triangles: bool,
     /// Seen by wide CPU kernels.
     pub host: bool,
 }
@@ -78,7 +84,8 @@ pub struct Usage {
 impl Usage {
     /// A device needs an allocation for it.
     pub fn on_device(self) -> bool {
-        self.uniform || self.storage || self.indirect || self.image
+        let read = self.acceleration || self.triangles;
+        self.uniform || self.storage || self.indirect || self.image || read
     }
 }
 

@@ -56,6 +56,10 @@ impl StageInfo {
 /// `Option`. Where it is `None`, the stage has no binding for it, the CPU kernel's view is empty, and the device kernel
 /// is composed without the feature of the port's name: put `@if(name)` before the global and what uses it.
 ///
+/// `acceleration` and `optional_acceleration` are for what rays are traced in, [`Graph::acceleration`](crate::Graph::acceleration),
+/// of the type [`AccelerationInstance`](crate::AccelerationInstance). With one of them bound, the device kernel is composed with the
+/// feature `RAY_QUERY`; what the CPU kernel sees are the instances.
+///
 /// `=>` behind the type of a port that is written names the [`Comparator`](crate::Comparator) that backends are held to,
 /// where it is not [`Comparator::ROUNDING`](crate::Comparator::ROUNDING): `write order: u32 => IN_ANY_ORDER`.
 ///

@@ -13,6 +13,8 @@ macro_rules! __stage_word {
     (host_only) => {};
     (sampled) => {};
     (stored) => {};
+    (acceleration) => {};
+    (optional_acceleration) => {};
     (optional_read) => {};
     (optional_write) => {};
     (optional_read_write) => {};
@@ -21,7 +23,7 @@ macro_rules! __stage_word {
             "`",
             stringify!($access),
             "` is no access word; use uniform, read, write, read_write, atomic, previous, host_only, sampled, stored, \
-             optional_read, optional_write or optional_read_write"
+             acceleration, optional_acceleration, optional_read, optional_write or optional_read_write"
         ));
     };
 }
@@ -35,6 +37,8 @@ macro_rules! __stage_input {
     ($g:lifetime atomic $ty:ty) => { $crate::Buffer<$ty> };
     ($g:lifetime sampled $ty:ty) => { &$g $crate::Image<$ty> };
     ($g:lifetime stored $ty:ty) => { $crate::Image<$ty> };
+    ($g:lifetime acceleration $ty:ty) => { &$g $crate::Acceleration };
+    ($g:lifetime optional_acceleration $ty:ty) => { Option<&$g $crate::Acceleration> };
     ($g:lifetime optional_read $ty:ty) => { Option<&$g $crate::Buffer<$ty>> };
     ($g:lifetime optional_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
     ($g:lifetime optional_read_write $ty:ty) => { Option<$crate::Buffer<$ty>> };
@@ -82,6 +86,12 @@ macro_rules! __stage_access {
     (stored) => {
         $crate::Access::Stored
     };
+    (acceleration) => {
+        $crate::Access::Acceleration
+    };
+    (optional_acceleration) => {
+        $crate::Access::Acceleration
+    };
     (optional_write) => {
         $crate::Access::Write
     };
@@ -96,6 +106,9 @@ macro_rules! __stage_access {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __stage_optional {
+    (optional_acceleration) => {
+        true
+    };
     (optional_read) => {
         true
     };
@@ -173,6 +186,14 @@ macro_rules! __stage_bind_view {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __stage_record {
+    (acceleration $r:ident, $handle:expr, $port:expr) => {
+        $r.acceleration($handle, $port)
+    };
+    (optional_acceleration $r:ident, $handle:expr, $port:expr) => {
+        if let Some(handle) = $handle {
+            $r.acceleration(handle, $port)
+        }
+    };
     (optional_read $r:ident, $handle:expr, $port:expr) => {
         if let Some(handle) = $handle {
             $r.read(handle, $port)

@@ -114,7 +114,8 @@ impl DispatchStep {
         })
     }
 
-    /// Features that the device kernel is composed with: its own, and the names of the optional ports that are bound.
+    /// Features that the device kernel is composed with: its own, the names of the optional ports that are bound, and
+    /// `RAY_QUERY` with an acceleration structure.
     pub fn features(&self) -> Vec<&'static str> {
         features(&self.kernel.wgsl, &self.ports)
     }
@@ -126,7 +127,14 @@ pub fn features(wgsl: &WgslSource, ports: &[Port]) -> Vec<&'static str> {
         .iter()
         .filter(|port| port.optional)
         .map(|port| port.name);
-    wgsl.features.iter().copied().chain(optional).collect()
+    let traces = ports.iter().any(|p| p.access == Access::Acceleration);
+    let asked = traces.then_some("RAY_QUERY");
+    wgsl.features
+        .iter()
+        .copied()
+        .chain(optional)
+        .chain(asked)
+        .collect()
 }
 
 impl Step {

@@ -173,6 +173,7 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
             ("ray guiding", false),
             ("irradiance sharing", true),
             ("ray sorting", false),
+            ("ray queries", false),
             ("paths beyond a hit", true),
             ("births at hits", false),
             ("slot check", false),

@@ -1,4 +1,4 @@
-// Traversal of the two-level tree. Reads the stage's globals `nodes`, `triangles` and `instances`; where the stage binds
+// Traversal of the two-level tree, in software; `trace_query` has the other body of `trace_walk`. Reads the stage's globals `nodes`, `triangles` and `instances`; where the stage binds
 // `materials`, also `corners` and those of `texture`, for the alpha test.
 import package::affine::{affine_map_point, affine_map_vector};
 import package::intersect::{intersect_box, intersect_inverse, intersect_is_sound, intersect_triangle};
@@ -30,6 +30,7 @@ fn trace_stops(ray: Ray, index: u32, u: f32, v: f32) -> bool {
 /// The closest hit; of equal distances the smallest (instance, triangle). With `any`, the first hit that is found.
 ///
 /// One loop walks both levels, the nearer child first; `base` is the stack's size where the bottom level began.
+@if(!RAY_QUERY)
 fn trace_walk(ray: Ray, any: bool) -> Hit {
     var best = trace_miss(ray.t_max);
     if !intersect_is_sound(ray.origin, ray.direction) {

@@ -119,6 +119,7 @@ impl Report<'_> {
                 None => Space::Other,
             },
             Access::Uniform => Space::Uniform,
+            Access::Acceleration => Space::Acceleration,
             Access::Read | Access::Previous => Space::Read,
             _ => Space::ReadWrite,
         };
@@ -143,7 +144,8 @@ impl Report<'_> {
         } else if fits && let Some(message) = unfit(port.access, global.used) {
             self.at(global, name, message);
         }
-        if !matches!(global.space, Space::Other | Space::Image(_)) && !port.access.is_image() {
+        let has_elements = |s| !matches!(s, Space::Other | Space::Image(_) | Space::Acceleration);
+        if has_elements(global.space) && has_elements(want) {
             self.element(port, global);
         }
     }

@@ -32,6 +32,8 @@ pub(crate) enum Space {
     ReadWrite,
     /// An image of this format.
     Image(ImageFormat),
+    /// What rays are traced in.
+    Acceleration,
     /// Anything that no port can be.
     Other,
 }
@@ -52,6 +54,7 @@ impl Space {
             Space::Uniform => "var<uniform>",
             Space::Read => "var<storage, read>",
             Space::ReadWrite => "var<storage, read_write>",
+            Space::Acceleration => "var _: acceleration_structure",
             Space::Other => "var",
         }
     }
@@ -97,7 +100,10 @@ pub(crate) fn globals(kernel: &Inner) -> Vec<Global> {
                     Space::ReadWrite
                 }
                 AddressSpace::Storage { .. } => Space::Read,
-                _ => image(module, global.ty).map_or(Space::Other, Space::Image),
+                _ => match module.types[global.ty].inner {
+                    TypeInner::AccelerationStructure { .. } => Space::Acceleration,
+                    _ => image(module, global.ty).map_or(Space::Other, Space::Image),
+                },
             };
             Some(Global {
                 name: global.name.clone().unwrap_or_default(),
@@ -109,7 +115,12 @@ pub(crate) fn globals(kernel: &Inner) -> Vec<Global> {
                 // naga reports an atomic on a buffer as what it does, so as both; `ATOMIC` is for images.
                 used: Used {
                     any: !used.is_empty(),
-                    read: used.contains(GlobalUse::READ),
+                    // A query of an acceleration structure is what reading is of a buffer.
+                    read: used.contains(GlobalUse::READ)
+                        || matches!(
+                            module.types[global.ty].inner,
+                            TypeInner::AccelerationStructure { .. }
+                        ) && !used.is_empty(),
                     write: used.contains(GlobalUse::WRITE),
                 },
             })

@@ -1,6 +1,7 @@
 // Writes 1 for each ray that nothing stops between `t_min` and `t_max`, else 0.
 import package::invocation::invocation_index;
-import package::trace::trace_walk;
+@if(RAY_QUERY) import package::trace_query::trace_walk;
+@else import package::trace::trace_walk;
 import package::types::{BvhNode, Corners, DispatchArgs, Instance, Material, NONE, Ray, Triangle};
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
@@ -12,6 +13,7 @@ import package::types::{BvhNode, Corners, DispatchArgs, Instance, Material, NONE
 @if(texels) @group(0) @binding(6) var<storage, read> texels: array<u32>;
 @group(0) @binding(7) var<storage, read> rays: array<Ray>;
 @group(0) @binding(8) var<storage, read_write> visible: array<u32>;
+@if(RAY_QUERY) @group(0) @binding(9) var structure: acceleration_structure;
 
 @compute @workgroup_size(64)
 fn main(

@@ -1,6 +1,7 @@
 // Finds the closest hit of each ray in the two-level BVH; of equal distances the smallest (instance, triangle).
 import package::invocation::invocation_index;
-import package::trace::trace_walk;
+@if(RAY_QUERY) import package::trace_query::trace_walk;
+@else import package::trace::trace_walk;
 import package::types::{BvhNode, Corners, DispatchArgs, Hit, Instance, Material, Ray, Triangle};
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
@@ -12,6 +13,7 @@ import package::types::{BvhNode, Corners, DispatchArgs, Hit, Instance, Material,
 @if(texels) @group(0) @binding(6) var<storage, read> texels: array<u32>;
 @group(0) @binding(7) var<storage, read> rays: array<Ray>;
 @group(0) @binding(8) var<storage, read_write> hits: array<Hit>;
+@if(RAY_QUERY) @group(0) @binding(9) var structure: acceleration_structure;
 
 @compute @workgroup_size(64)
 fn main(

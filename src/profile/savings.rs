@@ -2,7 +2,7 @@
 use super::statistics::{Interval, quantile};
 use crate::view::View;
 use crate::{Gi, RenderError, Renderer};
-use gibs_graph::Backend;
+use gibs_graph::{Backend, BackendError};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -21,7 +21,7 @@ pub struct Saving {
     pub bindings: Vec<String>,
     /// Bytes of memory that it adds, or would add; negative where memory is shared better with it.
     pub bytes: i64,
-    /// What it adds to a frame, or would add.
+    /// What it would add to a frame; `None` where that was not measured, or the backend does not have what it takes.
     pub time: Option<SavedTime>,
 }
 
@@ -68,7 +68,16 @@ pub fn savings(
         if saving.present {
             continue;
         }
-        let mut with = Renderer::of(backend, gi.variant(&variant)?, view)?;
+        let mut with = match Renderer::of(backend, gi.variant(&variant)?, view) {
+            // The device does not have what it takes, or too little of it.
+            Err(RenderError::Backend(
+                BackendError::Refused { .. } | BackendError::Limit { .. },
+            )) => {
+                done += frames * 2;
+                continue;
+            }
+            made => made?,
+        };
         let mut without = Renderer::of(backend, gi.again()?, view)?;
         let mut times = [Vec::new(), Vec::new()];
         for frame in 0..frames * 2 {

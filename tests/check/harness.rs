@@ -117,38 +117,19 @@ fn a_nan_fails() {
     fails_at("Compose", "color", How::Damage(nan));
 }
 
-/// A stage that writes over what it only reads: a transient, a state, a buffer of the host's, a uniform. Each is found in the
-/// frame in which it happens and at the resource that it happened to; that of a stage itself but for the host's, which is
-/// looked at after the last step that binds it.
+/// A stage that writes over what it only reads: a transient, a state, a buffer of the host's, a uniform. Each is found where it
+/// happens, and does no harm to what comes after.
 #[test]
 fn a_stage_that_scribbles_over_what_it_reads_fails() {
     let scribble: Damage = |bytes| bytes.chunks_exact_mut(4).for_each(|word| word[0] ^= 0x7f);
-    for (stage, port, resource, own) in [
-        ("Compose", "points", "gbuffer_points", true),
-        ("Integrate", "poses", "surfel_poses", true),
-        ("GatherSurfels", "light", "surfel_light", true),
-        ("ResolveHits", "triangles", "scene_triangles", false),
-        ("ShadeHits", "frame", "frame", false),
+    for (stage, port) in [
+        ("Compose", "points"),
+        ("Integrate", "poses"),
+        ("GatherSurfels", "light"),
+        ("ResolveHits", "triangles"),
+        ("ShadeHits", "frame"),
     ] {
-        let (checked, cases) = against(&sabotaged(stage, port, 1, How::Damage(scribble)));
-        assert!(gaps(&checked.report, &cases).is_empty());
-        let first = checked.report.pairs().find(|(_, _, found, pair)| {
-            found.resource == resource && pair.verdict == Verdict::Differs
-        });
-        let (_, step, found, pair) = first.unwrap_or_else(|| panic!("{stage}.{port} passed"));
-        assert_eq!(pair.differs_in, Some(1), "{stage}.{port}");
-        if own {
-            assert_eq!((step.stage.as_str(), found.port.as_str()), (stage, port));
-            let differs = checked
-                .report
-                .pairs()
-                .filter(|(.., p)| p.verdict == Verdict::Differs);
-            assert_eq!(
-                differs.count(),
-                1,
-                "{stage}.{port}: all go on from the oracle's values"
-            );
-        }
+        fails_at(stage, port, How::Damage(scribble));
     }
 }
 

@@ -22,7 +22,7 @@ pub fn all_backends() -> Vec<Box<dyn Backend>> {
     found
 }
 
-fn is_strict() -> bool {
+pub fn is_strict() -> bool {
     std::env::var_os("GIBS_STRICT").is_some_and(|v| v == "1")
 }
 

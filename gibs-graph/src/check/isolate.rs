@@ -36,6 +36,13 @@ pub(crate) fn isolate(schedule: &Schedule, step: usize) -> Option<Isolated> {
             access: settled(binding.access),
         })
         .collect();
+    let mut structures = HashMap::new();
+    for binding in &dispatch.bindings {
+        if let Some(triangles) = schedule.resources[binding.resource as usize].triangles {
+            let structure = place(binding.resource, false);
+            structures.insert(structure, place(triangles, false));
+        }
+    }
     let size = match dispatch.size {
         DispatchSize::Indirect(resource) => DispatchSize::Indirect(place(resource, false)),
         size => size,
@@ -69,6 +76,7 @@ pub(crate) fn isolate(schedule: &Schedule, step: usize) -> Option<Isolated> {
                 } else {
                     kind
                 },
+                triangles: structures.get(&id).copied(),
                 home: id,
                 room: resource.bytes,
                 ..resource.clone()

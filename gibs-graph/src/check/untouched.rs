@@ -12,8 +12,11 @@ pub(crate) struct OnlyRead {
 pub(crate) const UNTOUCHED: Comparator =
     Comparator::exact("a stage leaves as it is what it only reads").with_non_finite();
 
-/// What a step only reads. Inputs, which nothing but the host writes, are looked at once a frame: after the last step that
-/// binds them, where what any of them did to them still shows. The value that a history had before is not looked at, since
+/// Bytes from which on an input is looked at once a frame.
+const LARGE: u64 = 1 << 20;
+
+/// What a step only reads. Large inputs, which nothing but the host writes, are looked at once a frame: after the last step
+/// that binds them, where what any of them did to them still shows. The value that a history had before is not looked at, since
 /// it cannot be read back; nor is what only wide CPU kernels see.
 pub(crate) fn only_read(schedule: &Schedule, index: usize) -> Vec<OnlyRead> {
     let step = &schedule.steps[index];
@@ -28,10 +31,11 @@ pub(crate) fn only_read(schedule: &Schedule, index: usize) -> Vec<OnlyRead> {
                 .iter()
                 .any(|later| reads(later, id))
         };
-        let is_input = schedule.resources[id as usize].kind == Kind::Input;
+        let resource = &schedule.resources[id as usize];
+        let waits = resource.kind == Kind::Input && resource.bytes >= LARGE;
         if reads(step, id)
             && !found.iter().any(|known| known.resource == id)
-            && !(is_input && comes_again())
+            && !(waits && comes_again())
         {
             found.push(OnlyRead {
                 port: binding.port,

@@ -18,7 +18,14 @@ pub(super) fn place_resources(
             Access::HostOnly => used.host = true,
             Access::Indirect => used.indirect = true,
             Access::Sampled | Access::Stored => used.image = true,
+            Access::Acceleration => used.acceleration = true,
             _ => used.storage = true,
+        }
+    }
+    for (i, declared) in graph.resources.iter().enumerate() {
+        let is_traced = usage.get(&(i as u32)).is_some_and(|u| u.acceleration);
+        if let Some(triangles) = declared.triangles.filter(|_| is_traced) {
+            usage.entry(triangles).or_default().triangles = true;
         }
     }
     for output in &graph.outputs {
@@ -46,6 +53,8 @@ pub(super) fn place_resources(
             len: declared.len,
             bytes,
             image: declared.image,
+            // Declared before the structure, so placed already.
+            triangles: declared.triangles.and_then(|t| place.get(&t).copied()),
             home,
             room: bytes,
             usage,

@@ -12,6 +12,7 @@ mod avx2;
 mod build;
 mod collapse;
 mod error;
+pub mod hardware;
 pub mod intersect;
 mod level;
 mod place;

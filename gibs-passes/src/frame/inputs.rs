@@ -1,13 +1,19 @@
 //! The buffers that the host writes: scene, camera, settings.
 use super::Settings;
+use crate::accel::hardware;
 use crate::data::*;
 use crate::device::DeviceScene;
 use crate::scene::Camera as SceneCamera;
 use crate::shared::batch;
 use crate::shared::grid::GridLayout;
 use bytemuck::{Pod, cast_slice};
-use gibs_graph::{BackendError, Buffer, DispatchArgs, Executable, Graph};
+use gibs_graph::{Acceleration, BackendError, Buffer, DispatchArgs, Executable, Graph};
 use glam::{DVec3, Vec4};
+
+/// Key of what ray queries trace in.
+const STRUCTURE: &str = "scene_structure";
+/// Key of its triangles.
+const STRUCTURE_TRIANGLES: &str = "scene_structure_triangles";
 
 /// Lengths of the scene's buffers, in elements, and what the scene needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +120,8 @@ pub struct SceneInputs {
     pub camera: Buffer<Camera>,
     pub frame: Buffer<Frame>,
     pub pixels: Buffer<DispatchArgs>,
+    /// What rays are traced in; `None` where they are traced in the nodes.
+    pub structure: Option<Acceleration>,
     sizes: SceneSizes,
 }
 
@@ -136,7 +144,18 @@ impl SceneInputs {
             camera: g.input("camera", 1),
             frame: g.input("frame", 1),
             pixels: g.input("pixels", 1),
+            structure: None,
             sizes: *sizes,
+        }
+    }
+
+    /// The same with what ray queries trace in.
+    pub fn with_ray_queries(self, g: &mut Graph) -> Self {
+        let (triangles, instances) = (self.sizes.triangles, self.sizes.instances);
+        let structure = g.acceleration(STRUCTURE, triangles, instances);
+        Self {
+            structure: Some(structure),
+            ..self
         }
     }
 
@@ -212,6 +231,17 @@ pub fn upload_scene_where(
     for (key, bytes) in parts {
         if wanted(key) {
             upload(exec, key, bytes)?;
+        }
+    }
+    let structure = [STRUCTURE, STRUCTURE_TRIANGLES].map(|key| exec.schedule().resource(key));
+    if let [Some(instances), Some(triangles)] = structure {
+        if wanted(STRUCTURE) {
+            let placed = hardware::instances(&scene.tree);
+            exec.upload(instances, 0, cast_slice(&placed))?;
+        }
+        if wanted(STRUCTURE_TRIANGLES) {
+            let corners = hardware::triangles(&scene.tree);
+            exec.upload(triangles, 0, cast_slice(&corners))?;
         }
     }
     Ok(())

@@ -143,6 +143,12 @@ pub fn variants(frame: &SurfelFrame, sizes: &SceneSizes) -> Vec<Variant> {
         switch("ray sorting", settings.sorting, "sorting", &|other| {
             other.sorting = !other.sorting
         }),
+        switch(
+            "ray queries",
+            settings.ray_queries,
+            "ray_queries",
+            &|other| other.ray_queries = !other.ray_queries,
+        ),
         setting(
             "paths beyond a hit",
             paths > 0,

@@ -39,6 +39,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub sorting: bool,
     /// See [`Settings::all`].
+    pub ray_queries: bool,
+    /// See [`Settings::all`].
     pub lights: u32,
     /// See [`Settings::all`].
     pub continuations: u32,
@@ -79,6 +81,7 @@ impl Default for Settings {
             emitters: true,
             sharing: true,
             sorting: false,
+            ray_queries: false,
             lights: 4,
             continuations: 8,
             hit_births: 0,
@@ -237,6 +240,7 @@ settings! {
     emitters: bool, "", 0.0, 1.0, "send a share of the rays to emissive triangles";
     sharing: bool, "", 0.0, 1.0, "let uncertain surfels look up the irradiance of their neighbours";
     sorting: bool, "", 0.0, 1.0, "sort rays by where they begin and where they go, before they are traced";
+    ray_queries: bool, "", 0.0, 1.0, "trace by ray queries of the device, which it has to have, instead of in software; the CPU backend takes no notice";
     lights: u32, "lights", 1, 64, "lights sampled per point where there are more; else all";
     continuations: u32, "segments", 0, 16, "longest path beyond a hit without surfels";
     hit_births: u32, "surfels/frame", 0, 65_536, "surfels born where rays hit what none covers, at most and on average";

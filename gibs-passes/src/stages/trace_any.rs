@@ -2,7 +2,7 @@
 use super::trace_closest::stops;
 use crate::accel::{AccelView, WideView, scalar, wide};
 use crate::data::{BvhNode, Corners, Instance, Material, Ray, Triangle, WideNode, WidePacket};
-use gibs_graph::{DispatchArgs, Workgroup, stage};
+use gibs_graph::{AccelerationInstance, DispatchArgs, Workgroup, stage};
 
 stage! {
     /// Writes 1 for each ray that nothing stops between `t_min` and `t_max`, else 0.
@@ -19,6 +19,7 @@ stage! {
             optional_read texels: u32,
             read rays: Ray,
             write visible: u32,
+            optional_acceleration structure: AccelerationInstance,
             host_only wide_nodes: WideNode,
             host_only wide_packets: WidePacket,
         },

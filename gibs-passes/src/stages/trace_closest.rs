@@ -2,7 +2,7 @@
 use crate::accel::{AccelView, WideView, scalar, wide};
 use crate::data::{BvhNode, Corners, Hit, Instance, Material, Ray, Triangle, WideNode, WidePacket};
 use crate::shared::texture;
-use gibs_graph::{DispatchArgs, Workgroup, stage};
+use gibs_graph::{AccelerationInstance, DispatchArgs, Workgroup, stage};
 use glam::Vec2;
 
 stage! {
@@ -20,6 +20,7 @@ stage! {
             optional_read texels: u32,
             read rays: Ray,
             write hits: Hit,
+            optional_acceleration structure: AccelerationInstance,
             host_only wide_nodes: WideNode,
             host_only wide_packets: WidePacket,
         },

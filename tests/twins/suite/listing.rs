@@ -60,4 +60,7 @@ pub const PARTS: &[(&str, &str)] = &[
     ("texture::texture_mapped", "texture::texture_base_color"),
     ("texture::texture_texel", "texture::texture_sample"),
     ("texture::texture_wrap", "texture::texture_sample"),
+    // The other body of the traversal, which `tests/ray_queries.rs` holds against this one.
+    ("trace_query::trace_query_hit", "trace::trace_walk"),
+    ("trace_query::trace_walk", "trace::trace_walk"),
 ];

@@ -2,7 +2,7 @@
 use super::{Capture, CapturedSize, VERSION};
 use crate::check::error::CaptureError;
 use crate::check::npz::{Reader, Writer};
-use crate::{DispatchArgs, Element, Layout};
+use crate::{AccelerationInstance, AccelerationTriangle, Access, DispatchArgs, Element, Layout};
 use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
@@ -118,6 +118,7 @@ impl Capture {
             let key = &self.buffers[id as usize].key;
             return Err(format!("`{key}` cannot say how many workgroups run"));
         }
+        self.check_structures()?;
         for buffer in &self.buffers {
             let texels = buffer.image.map(|image| image.size.map(u64::from));
             if buffer.len == 0
@@ -126,6 +127,33 @@ impl Capture {
                 || texels.is_some_and(|[w, h]| w.checked_mul(h) != Some(buffer.len))
             {
                 return Err(format!("`{}` has an impossible type or length", buffer.key));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whatever is bound as an acceleration structure has triangles, which are nothing else.
+    fn check_structures(&self) -> Result<(), String> {
+        for (id, buffer) in (0..).zip(&self.buffers) {
+            let bound = self.bindings.iter().filter(|binding| binding.buffer == id);
+            let traced = bound.map(|binding| binding.access == Access::Acceleration);
+            let is_structure = buffer.triangles.is_some();
+            let has_triangles = match buffer.triangles {
+                Some(triangles) => {
+                    let found = self.buffers.get(triangles as usize);
+                    let is_bound = self.bindings.iter().any(|b| b.buffer == triangles);
+                    found.is_some_and(|found| {
+                        found.element == AccelerationTriangle::layout()
+                            && found.triangles.is_none()
+                            && found.image.is_none()
+                            && !is_bound
+                    }) && buffer.element == AccelerationInstance::layout()
+                }
+                None => true,
+            };
+            if !has_triangles || !traced.into_iter().all(|traced| traced == is_structure) {
+                let key = &buffer.key;
+                return Err(format!("`{key}` is no acceleration structure as it stands"));
             }
         }
         Ok(())

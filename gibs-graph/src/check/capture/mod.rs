@@ -69,6 +69,9 @@ pub struct CapturedBuffer {
     pub len: u64,
     /// Size and texels of an image.
     pub image: Option<ImageShape>,
+    /// Of an acceleration structure, index of the buffer with its triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub triangles: Option<u32>,
     /// Content before the step.
     #[serde(skip)]
     pub bytes: Vec<u8>,
@@ -125,6 +128,7 @@ impl Capture {
                     element: resource.element.clone(),
                     len: resource.len,
                     image: resource.image,
+                    triangles: resource.triangles,
                     bytes: bytes.to_vec(),
                 })
                 .collect(),

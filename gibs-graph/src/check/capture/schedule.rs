@@ -120,6 +120,7 @@ impl Capture {
             len: buffer.len,
             bytes,
             image: buffer.image,
+            triangles: buffer.triangles,
             home: id,
             room: bytes,
             usage: Usage {
@@ -132,6 +133,8 @@ impl Capture {
                 }),
                 indirect: self.size == CapturedSize::Indirect(id),
                 image: touches(&Access::is_image),
+                acceleration: touches(&|a| a == Access::Acceleration),
+                triangles: self.buffers.iter().any(|b| b.triangles == Some(id)),
                 host: touches(&|a| a == Access::HostOnly),
             },
         }

@@ -194,7 +194,10 @@ struct Grid {
 /// with.
 pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> SurfelOutputs {
     let settings = &frame.settings;
-    let scene = SceneInputs::declare(g, sizes);
+    let mut scene = SceneInputs::declare(g, sizes);
+    if frame.settings.ray_queries {
+        scene = scene.with_ray_queries(g);
+    }
     let device_settings: Buffer<SurfelSettings> = g.input("settings", 1);
     let shape = g.input("grid", 1);
     let capacity = settings.slots();
