@@ -50,6 +50,7 @@ pub mod debug;
 pub mod gi;
 pub mod gltf_import;
 pub mod guiding;
+mod html;
 pub mod measure;
 pub mod picture;
 pub mod plot;
