@@ -326,7 +326,7 @@ fn what_does_not_fit_is_refused() {
         &["bench", "--backends", "cpu,abacus"],
         &["abacus", "wgpu", "all"],
     );
-    refused(&["bench", "--search", "-1"], &["--search"]);
+    refused(&["bench", "--search=-1"], &["--search", "86400"]);
     refused(&["bench", "--pictures"], &["--report"]);
     refused(&["bench", "--cache", "x", "--no-cache"], &["--no-cache"]);
 }

@@ -30,8 +30,8 @@ pub const TRUTH_STEPS: [u32; 3] = [5, 3, 1];
 /// The seed of truths, which no frame has.
 const SEED: u32 = 0x7472_7574;
 
-/// Samples per pixel of a picture to look at, at least.
-const LEAST_LOOK: u32 = 16;
+/// Samples per pixel of a picture to look at: least, and most, beyond which nobody sees a difference.
+const LOOK: [u32; 2] = [16, 512];
 
 /// What there is a truth of.
 #[derive(Clone, Copy)]
@@ -137,7 +137,7 @@ impl Truth {
     }
 
     /// The whole picture for people to look at, with as many paths in all as a truth of every few pixels has with `samples`
-    /// of each, and the samples per pixel; the truth itself where it has every pixel.
+    /// of each, but 16 to 512 samples per pixel; the truth itself where it has every pixel and the final image.
     ///
     /// # Errors
     /// As [`reference()`].
@@ -155,7 +155,7 @@ impl Truth {
                 warning: None,
             });
         }
-        let samples = (samples / (self.step * self.step)).max(LEAST_LOOK);
+        let samples = (samples / (self.step * self.step)).clamp(LOOK[0], LOOK[1]);
         let (picture, warning) = target.reference(target.size, samples, cache, progress)?;
         Ok(Look {
             picture,
