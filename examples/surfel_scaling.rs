@@ -172,6 +172,7 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
             .map(|m| [f64::from(m.surfels), per_surfel(m.groups[i], m.surfels)])
             .collect(),
         band: Vec::new(),
+        ..Series::default()
     });
     let plot = Plot {
         title: "Time of stages per surfel".into(),

@@ -50,6 +50,7 @@ pub mod debug;
 pub mod gi;
 pub mod gltf_import;
 pub mod guiding;
+mod html;
 pub mod measure;
 pub mod picture;
 pub mod plot;
@@ -57,6 +58,7 @@ pub mod profile;
 mod query;
 pub mod reference;
 pub mod renderer;
+mod student;
 pub mod view;
 
 pub use counters::{Clamped, Counters};

@@ -3,8 +3,9 @@ use crate::channels::{read_output, set, surface_channels};
 use crate::picture::Picture;
 use crate::renderer::{RenderError, check_size, compile, device_scene};
 use crate::view::View;
-use gibs_graph::{Backend, Graph};
+use gibs_graph::{Backend, Graph, Schedule};
 use gibs_passes::data::{Ray, ReferencePath, SurfacePoint};
+use gibs_passes::device::DeviceScene;
 use gibs_passes::frame::{
     FrameUpdate, ReferenceUpdate, SceneSizes, Settings, gbuffer_frame, pixel_angle,
     reference_frame, upload_frame, upload_reference, upload_scene,
@@ -68,20 +69,9 @@ pub fn reference(
 ) -> Result<(Picture, Certainty), RenderError> {
     check_size(options.size)?;
     let device = device_scene(scene, view, view.camera.position)?;
-    let sizes = SceneSizes::of(&device);
-
-    let mut g = Graph::new("gbuffer");
-    let settings = Settings {
-        lights: MOST_LIGHTS,
-        ..Settings::default()
-    };
-    gbuffer_frame(
-        &mut g,
-        options.size,
-        &sizes,
-        settings.lights_per_point(sizes.lights()),
-    );
-    let mut exec = backend.prepare(Arc::new(compile(g)?))?;
+    let [primary, paths] = schedules(&device, options.size)?;
+    let settings = settings();
+    let mut exec = backend.prepare(Arc::new(primary))?;
     upload_scene(exec.as_mut(), &device)?;
     let grid = settings.grid(pixel_angle(&view.camera, options.size), options.size);
     let update = FrameUpdate {
@@ -100,9 +90,7 @@ pub fn reference(
         None => vec![Vec4::ZERO; points.len()],
     };
 
-    let mut g = Graph::new("reference");
-    reference_frame(&mut g, options.size, &sizes, &device);
-    exec.adopt(Arc::new(compile(g)?))?;
+    exec.adopt(Arc::new(paths))?;
     upload_scene(exec.as_mut(), &device)?;
     if let Some(primary) = exec.schedule().resource("primary") {
         exec.upload(primary, 0, bytemuck::cast_slice(&points))?;
@@ -146,6 +134,30 @@ pub fn reference(
     compose(view, &device, options, &primary, &paths, frames)
 }
 
+/// What runs: the frame that finds the primary surfaces, and the one that runs again and again.
+///
+/// # Errors
+/// [`RenderError::Graph`].
+pub(crate) fn schedules(
+    device: &DeviceScene,
+    size: [u32; 2],
+) -> Result<[Schedule; 2], RenderError> {
+    let sizes = SceneSizes::of(device);
+    let mut primary = Graph::new("gbuffer");
+    let per_point = settings().lights_per_point(sizes.lights());
+    gbuffer_frame(&mut primary, size, &sizes, per_point);
+    let mut paths = Graph::new("reference");
+    reference_frame(&mut paths, size, &sizes, device);
+    Ok([compile(primary)?, compile(paths)?])
+}
+
+fn settings() -> Settings {
+    Settings {
+        lights: MOST_LIGHTS,
+        ..Settings::default()
+    }
+}
+
 /// What the pixels see first.
 struct Primary {
     rays: Vec<Ray>,
@@ -155,7 +167,7 @@ struct Primary {
 
 fn compose(
     view: &View,
-    device: &gibs_passes::device::DeviceScene,
+    device: &DeviceScene,
     options: &ReferenceOptions,
     primary: &Primary,
     paths: &[ReferencePath],

@@ -1,7 +1,9 @@
-//! Path tracing with as many rays as surfels had.
-use super::frames::Job;
-use super::{After, BenchError, Errors, Mean, Row, Spread};
-use crate::compare::Metrics;
+//! Path tracing with as many rays as surfels had, and in as much time.
+use super::frames::{Job, Run};
+use super::pictures::Shot;
+use super::{After, BenchError, Errors, Kind, Mean, Row, Spread};
+use crate::compare::{Metrics, Report};
+use crate::picture::Picture;
 use crate::reference::{ReferenceOptions, reference};
 use std::time::Instant;
 
@@ -17,18 +19,19 @@ pub(super) struct Budget {
 /// What path tracing did with it.
 #[derive(Clone, Debug)]
 pub(super) struct Traced {
-    frames: u32,
-    errors: Metrics,
-    rays: f64,
-    seconds: f64,
+    pub frames: u32,
+    pub errors: Metrics,
+    pub rays: f64,
+    pub seconds: f64,
     /// Seconds over those of the surfels.
     ratio: f64,
+    pub shot: Option<Shot>,
 }
 
 /// A way to trace paths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Baseline {
-    name: &'static str,
+    pub name: &'static str,
     about: &'static str,
     emitters: bool,
 }
@@ -38,35 +41,64 @@ pub(super) struct Baseline {
 pub(super) const BASELINES: [Baseline; 2] = [
     Baseline {
         name: "path tracing",
-        about: "path tracing with the rays of the first row",
+        about: "path tracing with a ray to an emitter or the sky at each vertex",
         emitters: true,
     },
     Baseline {
         name: "brute force",
-        about: "the same without rays to emitters and the sky",
+        about: "path tracing without rays to emitters and the sky",
         emitters: false,
     },
 ];
 
-/// Samples per pixel of the run that tells how long paths are.
+/// Samples per pixel of the run that tells how long paths are and how long they take.
 const PILOT: u32 = 8;
 
-/// Path traces the picture with each of the budgets, where it buys a sample per pixel or was asked for: with as many samples as
-/// come closest to it, at least one.
-///
-/// A sample of a pixel takes as many rays as its path has segments; one pilot run tells how many that is in the mean. Of a path
-/// neither the ray to the primary surface counts, which is traced once for all samples, nor those to lights and emitters.
-pub(super) fn trace_paths(
-    baseline: &Baseline,
-    job: &Job<'_>,
-    budgets: impl Iterator<Item = Budget>,
-) -> Result<Vec<Traced>, BenchError> {
-    let render = |samples, seed| {
+/// A time that is this much off is tried once more.
+const OFF: f64 = 0.05;
+
+/// Traces paths of one baseline with one seed.
+pub(super) struct Tracer<'a> {
+    pub job: &'a Job<'a>,
+    pub baseline: &'a Baseline,
+    /// Rays of a sample of every pixel.
+    rays: f64,
+    /// Seconds of a sample of every pixel.
+    seconds: f64,
+}
+
+/// A picture and what it took.
+pub(super) struct Sampled {
+    pub picture: Picture,
+    /// Segments of all paths. Neither the ray to the primary surface counts, which is traced once for all samples, nor those to
+    /// lights and emitters.
+    pub rays: f64,
+    /// Without preparing the scene and the primary surfaces.
+    pub seconds: f64,
+}
+
+impl<'a> Tracer<'a> {
+    /// With a pilot run.
+    pub fn new(job: &'a Job<'a>, baseline: &'a Baseline) -> Result<Self, BenchError> {
+        let mut tracer = Self {
+            job,
+            baseline,
+            rays: 0.0,
+            seconds: 0.0,
+        };
+        let pilot = tracer.sample(job.size, PILOT)?;
+        tracer.rays = (pilot.rays / f64::from(PILOT)).max(1.0);
+        tracer.seconds = (pilot.seconds / f64::from(PILOT)).max(1e-9);
+        Ok(tracer)
+    }
+
+    /// Renders so many samples per pixel.
+    pub fn sample(&self, size: [u32; 2], samples: u32) -> Result<Sampled, BenchError> {
         let options = ReferenceOptions {
-            size: job.size,
+            size,
             samples,
-            seed,
-            emitters: baseline.emitters,
+            seed: self.job.seed,
+            emitters: self.baseline.emitters,
         };
         let mut start = Instant::now();
         let progress = |frames, _| {
@@ -75,55 +107,114 @@ pub(super) fn trace_paths(
                 start = Instant::now();
             }
         };
-        let done = reference(job.backend, job.scene, job.view, &options, progress);
-        done.map(|(picture, certainty)| (picture, certainty, start.elapsed().as_secs_f64()))
-    };
-    let per_sample = {
-        let (_, certainty, _) = render(PILOT, job.seed)?;
-        (certainty.segments as f64 / f64::from(PILOT)).max(1.0)
-    };
-    let mut traced = Vec::new();
-    for budget in budgets {
-        let samples = (budget.rays / per_sample).round() as u32;
-        if samples == 0 && !budget.asked {
-            continue;
-        }
-        let (picture, certainty, seconds) = render(samples.max(1), job.seed)?;
-        traced.push(Traced {
-            frames: budget.frames,
-            errors: job.truth.errors(&picture, baseline.name, budget.frames)?,
+        let job = self.job;
+        let (picture, certainty) = reference(job.backend, job.scene, job.view, &options, progress)?;
+        Ok(Sampled {
+            picture,
             rays: certainty.segments as f64,
-            seconds,
-            ratio: seconds / budget.seconds,
-        });
+            seconds: start.elapsed().as_secs_f64(),
+        })
     }
-    Ok(traced)
+
+    /// The errors of a picture.
+    pub fn errors(&self, picture: &Picture, frames: u32) -> Result<Report, BenchError> {
+        self.job.truth.errors(picture, self.baseline.name, frames)
+    }
+
+    /// Traces with each of the budgets, where it buys a sample per pixel or was asked for: with as many samples as come
+    /// closest to it, at least one.
+    pub fn trace(
+        &self,
+        kind: Kind,
+        budgets: impl Iterator<Item = Budget>,
+    ) -> Result<Vec<Traced>, BenchError> {
+        let mut traced = Vec::new();
+        for budget in budgets {
+            let samples = match kind {
+                Kind::EqualTime => budget.seconds / self.seconds,
+                _ => budget.rays / self.rays,
+            };
+            let samples = samples.round() as u32;
+            if samples == 0 && !budget.asked {
+                continue;
+            }
+            let mut done = self.sample(self.job.size, samples.max(1))?;
+            if kind == Kind::EqualTime {
+                // Few samples take longer each than many: a picture is done when its longest path is.
+                let better = (f64::from(samples) * budget.seconds / done.seconds).round() as u32;
+                let off = (done.seconds / budget.seconds - 1.0).abs();
+                if off > OFF && better.max(1) != samples.max(1) {
+                    let again = self.sample(self.job.size, better.max(1))?;
+                    if (again.seconds / budget.seconds - 1.0).abs() < off {
+                        done = again;
+                    }
+                }
+            }
+            let report = self.errors(&done.picture, budget.frames)?;
+            let at = (budget.frames, budget.asked && kind == Kind::EqualTime);
+            traced.push(Traced {
+                frames: budget.frames,
+                errors: report.metrics,
+                rays: done.rays,
+                seconds: done.seconds,
+                ratio: done.seconds / budget.seconds,
+                shot: self
+                    .job
+                    .shot(&name(self.baseline, kind), at, &done.picture, &report),
+            });
+        }
+        Ok(traced)
+    }
 }
 
-/// The row of a baseline; `traced` has an element for each seed. Time and rays are spread evenly over the frames that the
-/// surfels had.
+fn name(baseline: &Baseline, kind: Kind) -> String {
+    let what = match kind {
+        Kind::EqualTime => "equal time",
+        _ => "equal rays",
+    };
+    format!("{}, {what}", baseline.name)
+}
+
+/// The row of a baseline; `traced` has an element for each seed, as has `first`, the runs of the first configuration. Time and rays of a frame are those of the picture spread evenly
+/// over the frames that the surfels had.
 pub(super) fn row(
     baseline: &Baseline,
+    kind: Kind,
     checkpoints: &[(u32, bool)],
     traced: &[Vec<Traced>],
+    first: &[Run],
 ) -> Option<Row> {
     let after = checkpoints.iter().filter_map(|&(frames, asked)| {
         let all = || traced.iter().flatten().filter(move |t| t.frames == frames);
         all().next()?;
+        let pairs = traced.iter().zip(first).filter_map(|(traced, run)| {
+            let own = traced.iter().find(|t| t.frames == frames)?;
+            Some(own.errors.mape / run.errors(frames)?.mape)
+        });
         let per_frame = 1.0 / f64::from(frames);
+        let rays = Mean::of(all().map(|t| t.rays)).mean;
         Some(After {
             frames,
             asked,
             errors: Errors::of(all().map(|t| t.errors)),
-            rays: Mean::of(all().map(|t| t.rays)).mean * per_frame,
+            mape_ratio: Mean::of(pairs),
+            rays: rays * per_frame,
+            total_rays: rays,
             milliseconds: Spread::of(all().map(|t| t.seconds)).median * per_frame * 1e3,
+            seconds: Mean::of(all().map(|t| t.seconds)),
             ratio: Spread::of(all().map(|t| t.ratio)),
+            pareto: false,
         })
     });
     let after: Vec<After> = after.collect();
+    let budget = match kind {
+        Kind::EqualTime => "in the time of the first row",
+        _ => "with the rays of the first row",
+    };
     (!after.is_empty()).then(|| Row {
-        name: baseline.name.into(),
-        about: baseline.about.into(),
+        name: name(baseline, kind),
+        about: format!("{}, {budget}", baseline.about),
+        kind,
         after,
     })
 }

@@ -8,6 +8,8 @@ pub struct Configuration {
     pub name: String,
     /// What is different, in words.
     pub about: String,
+    /// The element of the technique that is switched, if it is one.
+    pub element: Option<&'static str>,
     /// The settings.
     pub settings: Settings,
 }
@@ -24,6 +26,7 @@ pub fn configurations(
     let mut all = vec![Configuration {
         name: own.0.into(),
         about: own.1.into(),
+        element: None,
         settings: settings.clone(),
     }];
     all.extend(elements.iter().map(|element| {
@@ -32,6 +35,7 @@ pub fn configurations(
         Configuration {
             name: format!("{word} {}", element.name),
             about: format!("{word} {}", element.about),
+            element: Some(element.name),
             settings: element.switched(settings, !on),
         }
     }));
@@ -44,6 +48,7 @@ pub fn configurations(
     all.extend(budgets.map(|(name, rays)| Configuration {
         name: name.into(),
         about: format!("{rays} rays a frame at most"),
+        element: None,
         settings: Settings {
             rays,
             ..settings.clone()

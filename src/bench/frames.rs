@@ -1,6 +1,8 @@
 //! Frames of all configurations in turn, their errors, times and rays.
+use super::pictures::Shot;
 use super::{BenchError, Configuration, Truth};
-use crate::compare::Metrics;
+use crate::compare::{HEAT_FULL_SCALE, Metrics, Report};
+use crate::picture::Picture;
 use crate::view::View;
 use crate::{RenderError, Renderer};
 use gibs_graph::{Backend, DispatchArgs};
@@ -16,6 +18,27 @@ pub(super) struct Job<'a> {
     pub size: [u32; 2],
     pub checkpoints: &'a [(u32, bool)],
     pub seed: u32,
+    /// Whether pictures are kept.
+    pub keep: bool,
+}
+
+impl Job<'_> {
+    /// The picture after frames that were asked for, if pictures are kept.
+    pub fn shot(
+        &self,
+        name: &str,
+        (frames, asked): (u32, bool),
+        picture: &Picture,
+        report: &Report,
+    ) -> Option<Shot> {
+        (self.keep && asked).then(|| Shot {
+            name: name.into(),
+            frames,
+            picture: picture.clone(),
+            heat: report.heat_map(HEAT_FULL_SCALE),
+            mape: report.metrics.mape,
+        })
+    }
 }
 
 /// The frames of one configuration with one seed.
@@ -27,6 +50,8 @@ pub(super) struct Run {
     rays: Vec<u64>,
     /// Errors after so many frames.
     errors: Vec<(u32, Metrics)>,
+    /// Pictures after frames that were asked for; of the first configuration, where they are kept.
+    pub shots: Vec<Shot>,
 }
 
 impl Run {
@@ -99,11 +124,15 @@ pub(super) fn run(
             renderers[i].wait()?;
             runs[i].seconds.push(start.elapsed().as_secs_f64());
             runs[i].rays.push(rays(&mut renderers[i])?);
-            if job.checkpoints.iter().any(|(after, _)| *after == frame) {
+            if let Some(at) = job.checkpoints.iter().find(|(after, _)| *after == frame) {
                 let picture = renderers[i].picture()?;
                 let name = &configurations[i].name;
-                let errors = job.truth.errors(&picture, name, frame)?;
-                runs[i].errors.push((frame, errors));
+                let report = job.truth.errors(&picture, name, frame)?;
+                runs[i].errors.push((frame, report.metrics));
+                if i == 0 {
+                    let shot = job.shot(name, *at, &picture, &report);
+                    runs[i].shots.extend(shot);
+                }
             }
             progress();
         }

@@ -1,4 +1,5 @@
 //! Means over seeds, and the spread of times.
+use crate::student;
 use serde::Serialize;
 
 /// A mean over seeds.
@@ -8,6 +9,8 @@ pub struct Mean {
     pub mean: f64,
     /// Its standard error; none for a single value.
     pub standard_error: Option<f64>,
+    /// Half of its 95 % confidence interval, from Student's t for as many values; none for a single value.
+    pub interval: Option<f64>,
 }
 
 impl Mean {
@@ -17,10 +20,19 @@ impl Mean {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let standard_error = (values.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt());
+        let t = student::quantile(values.len().saturating_sub(1) as u32);
         Self {
             mean,
-            standard_error: (values.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt()),
+            standard_error,
+            interval: standard_error.map(|error| error * t),
         }
+    }
+
+    /// The ends of the confidence interval; not finite for a single value.
+    pub fn ends(&self) -> [f64; 2] {
+        let half = self.interval.unwrap_or(f64::NAN);
+        [self.mean - half, self.mean + half]
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::compare::Metrics;
+use equal::{Curve, Need, Point, search};
 use gibs_passes::frame::{ELEMENTS, Settings};
 
 #[test]
@@ -46,12 +47,19 @@ fn powers_of_two_are_measured_on_the_way() {
 #[test]
 fn means_and_spreads_are_those_of_the_values() {
     let one = Mean::of([3.0].into_iter());
-    assert_eq!((one.mean, one.standard_error), (3.0, None));
+    assert_eq!(
+        (one.mean, one.standard_error, one.interval),
+        (3.0, None, None)
+    );
     // Variance 4, of four values: standard error 1.
     let four = Mean::of([1.0, 5.0, 3.0, 3.0].into_iter());
     assert_eq!(four.mean, 3.0);
     let error = four.standard_error.expect("of four");
     assert!((error - (8.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
+    // Student's t of three degrees of freedom.
+    let interval = four.interval.expect("of four");
+    assert!((interval / error - 3.182).abs() < 1e-3);
+    assert_eq!(four.ends(), [3.0 - interval, 3.0 + interval]);
     let spread = Spread::of((0..=10).rev().map(f64::from));
     assert_eq!((spread.low, spread.median, spread.high), (1.0, 5.0, 9.0));
     let two = Spread::of([4.0, 2.0].into_iter());
@@ -59,66 +67,117 @@ fn means_and_spreads_are_those_of_the_values() {
     assert!(Spread::of([].into_iter()).median.is_nan());
 }
 
-fn rows() -> Vec<Row> {
-    let metrics = |scale: f64| Metrics {
-        rel_mse: 0.0363 * scale,
+/// Metrics with this MAPE, and its square as relMSE.
+fn metrics(mape: f64) -> Metrics {
+    Metrics {
+        rel_mse: mape * mape,
         rmse: 0.0,
-        mape: 0.0971 * scale,
-        bias: -0.0028 * scale,
-        p99: 0.4 * scale,
+        mape,
+        bias: 0.0,
+        p99: 0.0,
         block_error: 0.0,
         blocks: 1,
-        flip: 0.05 * scale,
-    };
-    let after = |frames, asked| After {
-        frames,
-        asked,
-        errors: Errors::of([metrics(0.99), metrics(1.01)].into_iter()),
-        rays: 109_876.4,
-        milliseconds: 131.26,
-        ratio: Spread {
-            low: 0.9,
-            median: 1.0,
-            high: 1.25,
-        },
-    };
-    let row = |name: &str| Row {
-        name: name.into(),
-        about: String::new(),
-        after: vec![after(8, false), after(16, true)],
-    };
-    vec![row("defaults"), row("without depth")]
-}
-
-#[test]
-fn tables_are_markdown_with_standard_errors() {
-    let text = table(&rows());
-    let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines.len(), 4, "frames that were asked for only: {text}");
-    assert_eq!(
-        lines[2],
-        "| defaults | 0.0363 ± 0.0004 | 9.71 ± 0.10 % | -0.280 ± 0.003 % | 0.400 ± 0.004 | 0.0500 ± 0.0005 | 109876 | 131 | \
-         1.00 (0.90 .. 1.25) |"
-    );
-    let columns = |line: &str| line.matches('|').count();
-    assert!(lines.iter().all(|line| columns(line) == columns(lines[0])));
-}
-
-#[test]
-fn csv_has_a_line_for_everything() {
-    let rows = rows();
-    let text = csv([("a \"quoted\" name", rows.as_slice())].into_iter());
-    let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines.len(), 1 + 2 * 2);
-    assert!(lines[1].starts_with("\"a \"\"quoted\"\" name\",\"defaults\",8,"));
-    let fields = |line: &str| line.matches(',').count();
-    assert!(lines.iter().all(|line| fields(line) == fields(lines[0])));
-}
-
-#[test]
-fn plots_name_every_configuration() {
-    let svg = plot("cornell", &rows());
-    for text in ["cornell", "defaults", "without depth", "frames from"] {
-        assert!(svg.contains(text), "{text}");
+        flip: 0.0,
     }
+}
+
+/// Searches where the MAPE is `law` of the samples and a sample takes a millisecond; returns what was found and rendered.
+fn searched(law: impl Fn(f64) -> f64, goal: f64, limit: f64) -> (Need, Vec<u32>) {
+    let mut rendered = Vec::new();
+    let mut curve = Curve::default();
+    let need = search(
+        &mut curve,
+        |m| m.mape,
+        0.5,
+        goal,
+        limit,
+        |samples| {
+            rendered.push(samples);
+            let point = Point {
+                samples,
+                errors: metrics(law(f64::from(samples))),
+                rays: f64::from(samples) * 3.0,
+            };
+            Ok::<_, ()>((point, f64::from(samples) * 1e-3))
+        },
+    );
+    (need.expect("nothing fails"), rendered)
+}
+
+#[test]
+fn the_samples_for_an_error_are_found_and_rendered_nearby() {
+    let root = |samples: f64| 2.0 / samples.sqrt();
+    let floor = |samples: f64| (4.0 / samples + 1e-4).sqrt();
+    let heavy = |samples: f64| 2.0 / samples.powf(0.3);
+    for (law, goal, samples) in [
+        (&root as &dyn Fn(f64) -> f64, 0.02, 1e4),
+        (&root, 0.5, 16.0),
+        (&floor, 0.02, 4.0 / 3e-4),
+        (&heavy, 0.2, 10f64.powf(1.0 / 0.3)),
+    ] {
+        let (need, rendered) = searched(law, goal, 1e6);
+        assert!(need.reached, "{need:?}");
+        assert!(
+            (need.samples / samples - 1.0).abs() < 0.02,
+            "{need:?}, not {samples}"
+        );
+        let near = |n: &u32| (law(f64::from(*n)) / goal - 1.0).abs() < 0.06;
+        assert!(rendered.iter().any(near), "{rendered:?} for {samples}");
+        assert!(rendered.len() <= 10, "{rendered:?}");
+    }
+    // One sample is enough.
+    assert_eq!(searched(root, 3.0, 1.0).0.samples, 1.0);
+}
+
+#[test]
+fn a_search_that_takes_too_long_says_how_far_it_came() {
+    // Of a thousand samples a second, twenty seconds: far from the million that it takes.
+    let (need, rendered) = searched(|n| 2.0 / n.sqrt(), 0.002, 20.0);
+    assert!(
+        !need.reached && (18_000.0..=20_000.0).contains(&need.samples),
+        "{need:?}"
+    );
+    assert_eq!(rendered.last().map(|n| f64::from(*n)), Some(need.samples));
+    // An error that never falls.
+    let (need, _) = searched(|_| 1.0, 0.5, 2.0);
+    assert!(!need.reached && need.samples <= 2000.0, "{need:?}");
+}
+
+#[test]
+fn the_front_is_what_nothing_is_better_than() {
+    let after = |seconds: f64, mape: f64| After {
+        frames: 1,
+        asked: true,
+        errors: Errors::of([metrics(mape)].into_iter()),
+        mape_ratio: Mean::of([1.0].into_iter()),
+        rays: 1.0,
+        total_rays: 1.0,
+        milliseconds: 1.0,
+        seconds: Mean::of([seconds].into_iter()),
+        ratio: Spread::of([1.0].into_iter()),
+        pareto: false,
+    };
+    let row = |after: Vec<After>| Row {
+        name: "any".into(),
+        about: String::new(),
+        kind: Kind::Settings,
+        after,
+    };
+    let mut rows = [
+        row(vec![after(1.0, 0.5), after(4.0, 0.1), after(9.0, f64::NAN)]),
+        row(vec![after(2.0, 0.5), after(3.0, 0.3), after(4.0, 0.2)]),
+        row(vec![after(5.0, 0.1), after(8.0, 0.05)]),
+    ];
+    pareto::mark(&mut rows);
+    let marked = rows.each_ref().map(|row| {
+        let after = row.after.iter();
+        after.map(|after| after.pareto).collect::<Vec<_>>()
+    });
+    assert_eq!(marked[0], [true, true, false]);
+    assert_eq!(
+        marked[1],
+        [false, true, false],
+        "no less error, or no less time"
+    );
+    assert_eq!(marked[2], [false, true]);
 }

@@ -1,8 +1,8 @@
 //! What pictures are held against.
-use super::BenchError;
+use super::{BenchError, TruthCache};
 use crate::RenderError;
-use crate::compare::{CompareOptions, Metrics, compare};
-use crate::picture::{Picture, luminance};
+use crate::compare::{CompareOptions, Report, compare};
+use crate::picture::{FINAL_IMAGE, Picture, luminance};
 use crate::reference::{ReferenceOptions, reference};
 use crate::view::View;
 use gibs_graph::Backend;
@@ -17,6 +17,8 @@ pub struct Truth {
     step: u32,
     /// Samples per pixel, where that is known.
     pub samples: Option<u32>,
+    /// What was wrong with a file of the cache.
+    pub warning: Option<String>,
     /// Root mean square over pixels of the standard error of luminance, over the mean luminance, where that is known.
     pub standard_error: Option<f64>,
 }
@@ -27,6 +29,61 @@ pub const TRUTH_STEPS: [u32; 3] = [5, 3, 1];
 
 /// The seed of truths, which no frame has.
 const SEED: u32 = 0x7472_7574;
+
+/// Samples per pixel of a picture to look at: least, and most, beyond which nobody sees a difference.
+const LOOK: [u32; 2] = [16, 512];
+
+/// What there is a truth of.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// What path traces it.
+    pub backend: &'a dyn Backend,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// How it is seen.
+    pub view: &'a View,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+}
+
+/// A picture of the truth to look at.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// The picture.
+    pub picture: Picture,
+    /// Samples per pixel, where known.
+    pub samples: Option<u32>,
+    /// What was wrong with a file of the cache.
+    pub warning: Option<String>,
+}
+
+impl Target<'_> {
+    fn reference(
+        &self,
+        size: [u32; 2],
+        samples: u32,
+        cache: Option<&TruthCache>,
+        progress: impl FnMut(u32, u32),
+    ) -> Result<(Picture, Option<String>), RenderError> {
+        let options = ReferenceOptions {
+            size,
+            samples,
+            seed: SEED,
+            emitters: true,
+        };
+        let (backend, scene, view) = (self.backend, self.scene, self.view);
+        match cache {
+            Some(cache) => {
+                let cached = cache.reference(backend, scene, view, &options, progress)?;
+                Ok((cached.picture, cached.warning))
+            }
+            None => {
+                let (picture, _) = reference(backend, scene, view, &options, progress)?;
+                Ok((picture, None))
+            }
+        }
+    }
+}
 
 impl Truth {
     /// A truth in a file, for a picture of this size.
@@ -49,37 +106,61 @@ impl Truth {
             picture,
             step,
             samples: None,
+            warning: None,
             standard_error,
         })
     }
 
-    /// Renders a truth by the reference: the pixels in the middle of squares of as many pixels of the picture as
-    /// [`TRUTH_STEPS`] and the picture's size allow. `progress` is that of [`reference()`].
+    /// A truth by the reference: the pixels in the middle of squares of as many pixels of the picture as
+    /// [`TRUTH_STEPS`] and the picture's size allow. It is taken from `cache` where it is there. `progress` is that of
+    /// [`reference()`].
     ///
     /// # Errors
     /// As [`reference()`].
     pub fn render(
-        backend: &dyn Backend,
-        scene: &Scene,
-        view: &View,
-        size: [u32; 2],
+        target: &Target<'_>,
         samples: u32,
+        cache: Option<&TruthCache>,
         progress: impl FnMut(u32, u32),
     ) -> Result<Self, RenderError> {
-        let fits = |step: &u32| size.iter().all(|side| side.is_multiple_of(*step));
+        let fits = |step: &u32| target.size.iter().all(|side| side.is_multiple_of(*step));
         let step = TRUTH_STEPS.into_iter().find(fits).unwrap_or(1);
-        let options = ReferenceOptions {
-            size: size.map(|side| side / step),
-            samples,
-            seed: SEED,
-            emitters: true,
-        };
-        let (picture, certainty) = reference(backend, scene, view, &options, progress)?;
+        let size = target.size.map(|side| side / step);
+        let (picture, warning) = target.reference(size, samples, cache, progress)?;
         Ok(Self {
+            standard_error: standard_error(&picture),
             picture,
             step,
             samples: Some(samples),
-            standard_error: Some(certainty.standard_error),
+            warning,
+        })
+    }
+
+    /// The whole picture for people to look at, with as many paths in all as a truth of every few pixels has with `samples`
+    /// of each, but 16 to 512 samples per pixel; the truth itself where it has every pixel and the final image.
+    ///
+    /// # Errors
+    /// As [`reference()`].
+    pub fn look(
+        &self,
+        target: &Target<'_>,
+        samples: u32,
+        cache: Option<&TruthCache>,
+        progress: impl FnMut(u32, u32),
+    ) -> Result<Look, RenderError> {
+        if self.step == 1 && self.picture.rgb(FINAL_IMAGE).is_ok() {
+            return Ok(Look {
+                picture: self.picture.clone(),
+                samples: self.samples,
+                warning: None,
+            });
+        }
+        let samples = (samples / (self.step * self.step)).clamp(LOOK[0], LOOK[1]);
+        let (picture, warning) = target.reference(target.size, samples, cache, progress)?;
+        Ok(Look {
+            picture,
+            samples: Some(samples),
+            warning,
         })
     }
 
@@ -88,7 +169,12 @@ impl Truth {
         self.step
     }
 
-    /// The errors of a picture's indirect irradiance.
+    /// Width and height of the truth, pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        [self.picture.width, self.picture.height]
+    }
+
+    /// The errors of a picture's indirect irradiance, of the size that the truth is for or of its own.
     ///
     /// # Errors
     /// [`BenchError::Compare`], [`BenchError::NotFinite`], with the name of the configuration and the frames.
@@ -97,7 +183,7 @@ impl Truth {
         picture: &Picture,
         configuration: &str,
         frames: u32,
-    ) -> Result<Metrics, BenchError> {
+    ) -> Result<Report, BenchError> {
         let options = CompareOptions {
             centers: true,
             ..CompareOptions::default()
@@ -109,7 +195,7 @@ impl Truth {
                 source,
             })?;
         match report.non_finite.anywhere {
-            0 => Ok(report.metrics),
+            0 => Ok(report),
             count => Err(BenchError::NotFinite {
                 configuration: configuration.into(),
                 frames,

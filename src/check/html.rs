@@ -1,28 +1,16 @@
 //! The report as one file that a browser opens, with pictures of the differences.
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
+use crate::html::{escaped, page, png};
 use gibs_graph::check::{
     Capture, CaseReport, Expectation, PairReport, PortReport, Report, StepReport, Verdict, apart,
 };
-use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
+use image::{Rgb, RgbImage};
 use std::fmt::Write;
 
-/// What a page looks like; light and dark as the reader has it.
+/// What a page looks like beside what all have.
 const STYLE: &str = "
-:root { color-scheme: light dark; font: 15px/1.45 system-ui, sans-serif; }
-body { max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
-table { border-collapse: collapse; margin: .6rem 0; }
-th, td { text-align: left; padding: .15rem .7rem .15rem 0; vertical-align: top; }
-th { font-weight: 600; border-bottom: 1px solid #8888; }
-td.n { text-align: right; font-variant-numeric: tabular-nums; }
 .v { border-radius: .3rem; padding: 0 .4rem; color: #fff; white-space: nowrap; }
 .equal { background: #2e7d4f; } .within { background: #33658a; } .undecided { background: #8a6d1f; }
 .expected { background: #7a5195; } .differs { background: #b3261e; }
-figure { display: inline-block; margin: .4rem 1rem .4rem 0; }
-img { image-rendering: pixelated; border: 1px solid #8888; background: #000; }
-figcaption, .why { font-size: .85em; opacity: .8; }
-summary { cursor: pointer; padding: .2rem 0; }
-code { font-size: .92em; }
 ";
 
 /// What the pictures show.
@@ -41,18 +29,11 @@ pub fn html(
     unmet: &[&Expectation],
     size: [u32; 2],
 ) -> String {
-    let mut page = String::new();
+    let mut body = String::new();
     let verdict = report.verdict();
-    page += "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">";
-    page += "<meta name=\"viewport\" content=\"width=device-width\">";
     // Writing to a string cannot fail.
-    let _ = write!(
-        page,
-        "<title>gibs check: {}</title><style>{STYLE}</style>",
-        name(verdict)
-    );
-    let _ = write!(page, "<h1>gibs check: {}</h1>", badge(verdict));
-    page += "<table><tr><th>participant<th>device<th>driver<th></tr>";
+    let _ = write!(body, "<h1>gibs check: {}</h1>", badge(verdict));
+    body += "<table><tr><th>participant<th>device<th>driver<th></tr>";
     for (i, lane) in report.lanes.iter().enumerate() {
         let role = if i == 0 {
             "its values are what all go on from"
@@ -60,21 +41,21 @@ pub fn html(
             ""
         };
         let _ = write!(
-            page,
+            body,
             "<tr><td><code>{}</code><td>{}<td>{}<td class=why>{role}</tr>",
             escaped(&lane.name),
             escaped(&lane.device.name),
             escaped(&lane.device.driver)
         );
     }
-    page += "</table>";
+    body += "</table>";
     let count = |verdict: Verdict| {
         report
             .pairs()
             .filter(|(.., p)| p.verdict == verdict)
             .count()
     };
-    page += "<p>";
+    body += "<p>";
     for verdict in [
         Verdict::Equal,
         Verdict::Within,
@@ -82,17 +63,17 @@ pub fn html(
         Verdict::Expected,
         Verdict::Differs,
     ] {
-        let _ = write!(page, "{} {} &emsp;", badge(verdict), count(verdict));
+        let _ = write!(body, "{} {} &emsp;", badge(verdict), count(verdict));
     }
     let _ = write!(
-        page,
+        body,
         "of {} comparisons, {} elements</p>",
         report.pairs().count(),
         report.elements()
     );
     for expectation in unmet {
         let _ = write!(
-            page,
+            body,
             "<p>{} <code>{}</code> on {} is expected to differ and did not: {}</p>",
             badge(Verdict::Differs),
             escaped(&expectation.stage),
@@ -101,16 +82,15 @@ pub fn html(
         );
     }
     for case in &report.cases {
-        table(&mut page, case);
+        table(&mut body, case);
     }
     if !captures.is_empty() {
-        page += LEGEND;
+        body += LEGEND;
     }
     for capture in captures {
-        pictures(&mut page, capture, size);
+        pictures(&mut body, capture, size);
     }
-    page += "</html>\n";
-    page
+    page(&format!("gibs check: {}", name(verdict)), STYLE, &body)
 }
 
 fn name(verdict: Verdict) -> &'static str {
@@ -126,11 +106,6 @@ fn name(verdict: Verdict) -> &'static str {
 fn badge(verdict: Verdict) -> String {
     let name = name(verdict);
     format!("<span class=\"v {name}\">{name}</span>")
-}
-
-fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;");
-    text.replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn worst(step: &StepReport) -> Verdict {
@@ -235,7 +210,7 @@ fn pictures(page: &mut String, capture: &Capture, size: [u32; 2]) {
         if let Some(picture) = picture(&off, size) {
             let _ = write!(
                 page,
-                "<figure><img width=\"{w}\" alt=\"differences\" src=\"data:image/png;base64,{picture}\">\
+                "<figure><img width=\"{w}\" alt=\"differences\" src=\"{picture}\">\
                  <figcaption><code>{key}</code>: {unequal} of {all} elements unequal</figcaption></figure>",
                 w = 384,
                 key = escaped(&buffer.key),
@@ -248,7 +223,7 @@ fn pictures(page: &mut String, capture: &Capture, size: [u32; 2]) {
 /// Widest picture; longer results are shown by the largest difference of neighbours.
 const SIDE: usize = 256;
 
-/// Differences as a PNG, encoded; `None` where there is nothing to show.
+/// Differences as the address of a picture; `None` where there is nothing to show.
 fn picture(off: &[f64], [columns, rows]: [u32; 2]) -> Option<String> {
     if off.iter().all(|ulps| *ulps == 0.0) {
         return None;
@@ -266,15 +241,7 @@ fn picture(off: &[f64], [columns, rows]: [u32; 2]) -> Option<String> {
     for (i, &ulps) in pixels.iter().enumerate() {
         image.put_pixel((i % width) as u32, (i / width) as u32, color(ulps));
     }
-    let mut png = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    let written = encoder.write_image(
-        &image,
-        image.width(),
-        image.height(),
-        ExtendedColorType::Rgb8,
-    );
-    written.ok().map(|()| BASE64_STANDARD.encode(png))
+    png(&image)
 }
 
 /// Black for equal, then over a logarithmic scale from blue (one ULP) over red (half of the bits of a float) to white.

@@ -11,6 +11,7 @@ pub fn plot(title: &str, rows: &[Row]) -> String {
             .map(|row| [f64::from(row.rays), of(row).error * 100.0])
             .collect(),
         band: rows.iter().map(|row| band(of(row))).collect(),
+        ..Series::default()
     };
     let plot = Plot {
         title: title.into(),

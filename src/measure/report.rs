@@ -84,6 +84,7 @@ pub fn plot_of(title: &str, y: Axis, curves: Vec<(String, Vec<[f64; 2]>)>) -> Pl
         name,
         points: thinned(&points),
         band: Vec::new(),
+        ..Series::default()
     });
     Plot {
         title: title.to_owned(),

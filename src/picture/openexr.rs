@@ -1,11 +1,13 @@
 //! OpenEXR files: every channel, 32-bit float, without loss.
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
-    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, read,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
+    Layer, LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage,
+    read,
 };
 
 use super::{Picture, PictureError};
@@ -31,6 +33,16 @@ impl Picture {
     /// data, subsampled channels, a data window other than the display window, or parts of
     /// different sizes.
     pub fn read_exr(path: &Path) -> Result<Self, PictureError> {
+        Ok(Self::read_exr_with_notes(path)?.0)
+    }
+
+    /// As [`Picture::read_exr`], with the file's attributes that are text and not among OpenEXR's standard ones.
+    ///
+    /// # Errors
+    /// As [`Picture::read_exr`].
+    pub fn read_exr_with_notes(
+        path: &Path,
+    ) -> Result<(Self, BTreeMap<String, String>), PictureError> {
         let bytes = fs::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => PictureError::Missing {
                 path: path.to_owned(),
@@ -61,7 +73,13 @@ impl Picture {
 
         let several = image.layer_data.len() > 1;
         let mut picture = Self::default();
+        let mut notes = BTreeMap::new();
         for layer in image.layer_data {
+            let others = layer.attributes.other.iter();
+            notes.extend(others.filter_map(|(name, value)| match value {
+                AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+                _ => None,
+            }));
             picture.width = layer.size.width() as u32;
             picture.height = layer.size.height() as u32;
             let part = layer
@@ -77,7 +95,7 @@ impl Picture {
                 picture.set_scalar(&name, floats(channel.sample_data))?;
             }
         }
-        Ok(picture)
+        Ok((picture, notes))
     }
 
     /// Writes every channel as 32-bit float, losslessly compressed, under a temporary name that is
@@ -87,6 +105,18 @@ impl Picture {
     /// [`PictureError`] for a picture without pixels or channels, a channel of the wrong length or
     /// with a name that OpenEXR cannot hold, or a file that cannot be written.
     pub fn write_exr(&self, path: &Path) -> Result<(), PictureError> {
+        self.write_exr_with_notes(path, &BTreeMap::new())
+    }
+
+    /// As [`Picture::write_exr`], with attributes of text.
+    ///
+    /// # Errors
+    /// As [`Picture::write_exr`]; notes whose name or text OpenEXR cannot hold are left out.
+    pub fn write_exr_with_notes(
+        &self,
+        path: &Path,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<(), PictureError> {
         if self.pixels() == 0 || self.channels.is_empty() {
             return Err(PictureError::Empty {
                 path: path.to_owned(),
@@ -105,6 +135,13 @@ impl Picture {
             .collect::<Result<_, PictureError>>()?;
         let attributes = LayerAttributes {
             software_name: Text::new_or_none(concat!("gibs ", env!("CARGO_PKG_VERSION"))),
+            other: notes
+                .iter()
+                .filter_map(|(name, text)| {
+                    let text = AttributeValue::Text(Text::new_or_none(text)?);
+                    Some((Text::new_or_none(name)?, text))
+                })
+                .collect(),
             ..LayerAttributes::default()
         };
         let encoding = Encoding {

@@ -1,6 +1,6 @@
 //! The drawing of a plot, with plotters.
 use super::axis::Span;
-use super::{Plot, Scale, Series};
+use super::{Marks, Plot, Scale, Series};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -13,6 +13,9 @@ const TEXT: i32 = 28;
 
 /// Width of an average character of that size.
 const CHARACTER: f64 = 12.5;
+
+/// Radius of a dot.
+const DOT: i32 = 5;
 
 const INK: RGBColor = RGBColor(0x24, 0x29, 0x2f);
 const RULE: RGBColor = RGBColor(0xd8, 0xde, 0xe4);
@@ -92,20 +95,43 @@ fn curves<'a>(plot: &Plot, area: &Area<'a>) -> Drawn<'a> {
         if !outline.is_empty() {
             chart.draw_series([Polygon::new(outline, color(index).mix(0.15))])?;
         }
+        if series.marks == Marks::Stairs {
+            chart.draw_series(LineSeries::new(stairs(&line), INK.stroke_width(3)))?;
+            continue;
+        }
         let style = color(index).stroke_width(3);
-        match dashed(index) {
-            false => chart.draw_series(LineSeries::new(line.clone(), style))?,
-            true => chart.draw_series(DashedLineSeries::new(line.clone(), 9, 6, style))?,
+        match (series.marks, dashed(index)) {
+            (Marks::Joined, false) => {
+                chart.draw_series(LineSeries::new(line.clone(), style))?;
+            }
+            (Marks::Joined, true) => {
+                chart.draw_series(DashedLineSeries::new(line.clone(), 9, 6, style))?;
+            }
+            _ => {}
+        }
+        let dots = line.iter();
+        match index / COLORS.len() % 3 {
+            0 => chart.draw_series(dots.map(|p| Circle::new(*p, DOT, color(index).filled())))?,
+            1 => chart.draw_series(dots.map(|p| Circle::new(*p, DOT, style)))?,
+            _ => chart.draw_series(dots.map(|p| Cross::new(*p, DOT, style)))?,
         };
-        chart.draw_series(
-            line.iter()
-                .map(|p| Circle::new(*p, 5, color(index).filled())),
-        )?;
     }
     Ok(())
 }
 
-/// Ends of bands that count for the span: on a logarithmic axis a band that reaches down to zero would take all of it.
+/// Points with a corner between any two, so that each value lasts until the next.
+fn stairs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut line = Vec::new();
+    let mut last = None;
+    for &(x, y) in points {
+        line.extend(last.map(|before| (x, before)));
+        line.push((x, y));
+        last = Some(y);
+    }
+    line
+}
+
+/// Ends of bands that count for the span: on a logarithmic axis a wide band, or one that reaches down to zero, would take all of it.
 fn seen_bands(plot: &Plot) -> impl Iterator<Item = f64> {
     let bands = plot
         .series
@@ -113,7 +139,7 @@ fn seen_bands(plot: &Plot) -> impl Iterator<Item = f64> {
         .flat_map(|s| s.points.iter().zip(&s.band));
     bands.flat_map(|(p, band)| match plot.y.scale {
         Scale::Linear => *band,
-        Scale::Log => band.map(|end| end.max(0.3 * p[1])),
+        Scale::Log => band.map(|end| end.max(0.3 * p[1]).min(p[1] / 0.3)),
     })
 }
 
@@ -140,11 +166,19 @@ fn entries<'a>(series: &[Series], area: &Area<'a>) -> Drawn<'a> {
         let middle = y + TEXT / 2 - 3;
         let line = vec![(0, middle), (44, middle)];
         let style = color(index).stroke_width(3);
-        match dashed(index) {
-            false => area.draw(&PathElement::new(line, style))?,
-            true => area.draw(&DashedPathElement::new(line, 9, 6, style))?,
+        match (series.marks, dashed(index)) {
+            (Marks::Stairs, _) => area.draw(&PathElement::new(line, INK.stroke_width(3)))?,
+            (Marks::Joined, false) => area.draw(&PathElement::new(line, style))?,
+            (Marks::Joined, true) => area.draw(&DashedPathElement::new(line, 9, 6, style))?,
+            (Marks::Scattered, _) => {}
         }
-        area.draw(&Circle::new((22, middle), 5, color(index).filled()))?;
+        let dot = (22, middle);
+        match (series.marks, index / COLORS.len() % 3) {
+            (Marks::Stairs, _) => {}
+            (_, 0) => area.draw(&Circle::new(dot, DOT, color(index).filled()))?,
+            (_, 1) => area.draw(&Circle::new(dot, DOT, style))?,
+            _ => area.draw(&Cross::new(dot, DOT, style))?,
+        }
         let font = ("sans-serif", TEXT).into_font().color(&INK);
         area.draw(&Text::new(series.name.clone(), (56, y), font))?;
     }

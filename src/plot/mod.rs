@@ -45,6 +45,20 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Least and largest y at each of the points, for a band behind the curve; empty for none.
     pub band: Vec<[f64; 2]>,
+    /// How the points are drawn.
+    pub marks: Marks,
+}
+
+/// How points are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Marks {
+    /// Dots on a line.
+    #[default]
+    Joined,
+    /// Dots alone.
+    Scattered,
+    /// A black line without dots that goes to the right before it goes up or down, as the best of what is left of it does.
+    Stairs,
 }
 
 impl Axis {
@@ -67,7 +81,7 @@ impl Axis {
 
 impl Plot {
     /// The picture: a white card, so that it can be read wherever it is put. Colours are Okabe and Ito's, which people with
-    /// any colour vision tell apart; beyond seven curves they come again, dashed.
+    /// any colour vision tell apart; beyond seven curves they come again, with dashed lines and hollow dots, then with crosses.
     pub fn svg(&self) -> String {
         draw::svg(self)
     }

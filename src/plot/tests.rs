@@ -69,6 +69,7 @@ fn series(name: &str, points: &[[f64; 2]]) -> Series {
         name: name.into(),
         points: points.to_vec(),
         band: points.iter().map(|p| [p[1] - 0.3, p[1] + 0.3]).collect(),
+        ..Series::default()
     }
 }
 
@@ -159,4 +160,25 @@ fn the_eighth_curve_is_dashed() {
     };
     assert_eq!(lines(7) - lines(6), 2, "a curve and its line in the legend");
     assert!(lines(8) - lines(7) > 4, "dashes are lines of their own");
+}
+
+#[test]
+fn marks_are_dots_alone_and_steps() {
+    let points = [[1.0, 9.0], [4.0, 3.0], [8.0, 1.0]];
+    let marked = |marks| Series {
+        marks,
+        band: Vec::new(),
+        ..series("marked", &points)
+    };
+    let dots = plot(vec![marked(Marks::Scattered)]).svg();
+    let stairs = plot(vec![marked(Marks::Stairs)]).svg();
+    assert_eq!(dots.matches("<circle").count(), 3);
+    assert_eq!(stairs.matches("<circle").count(), 0);
+    let steps = coordinates(&stairs, "polyline");
+    let steps = steps
+        .iter()
+        .find(|line| line.len() == 5)
+        .expect("three points and two corners");
+    // To the right first, then down.
+    assert!(steps[1][1] == steps[0][1] && steps[1][0] == steps[2][0] && steps[2][1] > steps[0][1]);
 }

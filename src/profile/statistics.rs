@@ -1,4 +1,5 @@
 //! Medians, percentiles, and how far runs differ.
+use crate::student;
 use serde::{Deserialize, Serialize};
 
 /// A figure over frames of several runs.
@@ -80,7 +81,7 @@ impl Interval {
         Self {
             ratio: log.exp(),
             bounds: (freedom > 0).then(|| {
-                let reach = student_95(freedom) * error;
+                let reach = student::quantile(freedom as u32) * error;
                 [(log - reach).exp(), (log + reach).exp()]
             }),
         }
@@ -93,18 +94,4 @@ fn moments(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / count;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (mean, squares / (count - 1.0))
-}
-
-/// The 97.5 % quantile of Student's distribution with so many degrees of freedom, rounded up to three digits; from the tables
-/// of any textbook, beyond 30 by the Cornish-Fisher expansion of the normal quantile.
-pub(super) fn student_95(freedom: usize) -> f64 {
-    const TABLE: [f64; 30] = [
-        12.71, 4.31, 3.19, 2.78, 2.58, 2.45, 2.37, 2.31, 2.27, 2.23, 2.21, 2.18, 2.17, 2.15, 2.14,
-        2.12, 2.11, 2.11, 2.10, 2.09, 2.08, 2.08, 2.07, 2.07, 2.06, 2.06, 2.06, 2.05, 2.05, 2.05,
-    ];
-    match freedom {
-        0 => f64::INFINITY,
-        1..=30 => TABLE[freedom - 1],
-        _ => 1.96 + 2.5 / freedom as f64,
-    }
 }

@@ -1,5 +1,4 @@
 use super::fold::stage_of;
-use super::statistics::student_95;
 use super::*;
 use gibs_graph::StepTime;
 use std::time::Duration;
@@ -61,32 +60,6 @@ fn figures_are_medians_and_percentiles_of_all_frames() {
     // Rank 0.95 * 5 = 4.75 lies three quarters of the way from 5 to 1005.
     assert_eq!(figure.p95, 755.0);
     assert_eq!(Figure::of(&[]), Figure::default());
-}
-
-/// By numerical integration of Student's density: 97.5 % of it lies below the quantile, to the three digits of the table.
-#[test]
-fn quantiles_of_student_hold_against_integration() {
-    for freedom in [1, 2, 3, 5, 10, 20, 30, 31, 40, 100, 1000] {
-        let n = freedom as f64;
-        let density = |t: f64| (1.0 + t * t / n).powf(-(n + 1.0) / 2.0);
-        let integrate = |to: f64| {
-            // Over t = tan(u), which makes the half line finite.
-            let steps = 200_000;
-            let end = to.atan();
-            let width = end / f64::from(steps);
-            let middle = |i: i32| ((f64::from(i) + 0.5) * width).tan();
-            let sum: f64 = (0..steps)
-                .map(|i| density(middle(i)) * (1.0 + middle(i).powi(2)))
-                .sum();
-            sum * width
-        };
-        let share = 0.5 + 0.5 * integrate(student_95(freedom)) / integrate(1e7);
-        // Rounded up by 0.01 at most, which is worth at most 0.0006 of probability where the density is highest.
-        assert!(
-            (-2e-5..7e-4).contains(&(share - 0.975)),
-            "{freedom}: {share}"
-        );
-    }
 }
 
 #[test]

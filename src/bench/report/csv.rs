@@ -1,0 +1,109 @@
+//! Figures as CSV.
+use super::Measured;
+use crate::bench::{After, Errors, Mean};
+
+type Column = (&'static str, fn(&Errors) -> Mean);
+
+const COLUMNS: [Column; 5] = [
+    ("rel_mse", |e| e.rel_mse),
+    ("mape", |e| e.mape),
+    ("bias", |e| e.bias),
+    ("p99", |e| e.p99),
+    ("flip", |e| e.flip),
+];
+
+/// All figures, a line for each scene, backend, configuration and number of frames; errors are relative, not percentages. Standard
+/// errors and halves of 95 % confidence intervals are empty where there is one seed.
+pub fn csv(all: &[Measured]) -> String {
+    let mut text = String::from("scene,backend,configuration,kind,frames,asked");
+    for (name, _) in COLUMNS {
+        text += &format!(",{name},{name}_standard_error,{name}_interval");
+    }
+    text +=
+        ",rays_per_frame,rays,milliseconds_per_frame,seconds,ratio_low,ratio,ratio_high,pareto\n";
+    for measured in all {
+        for row in &measured.rows {
+            let kind = serde_json::to_value(row.kind).unwrap_or_default();
+            for after in &row.after {
+                text += &format!(
+                    "{},{},{},{},{},{}",
+                    quoted(&measured.scene),
+                    measured.backend,
+                    quoted(&row.name),
+                    kind.as_str().unwrap_or_default(),
+                    after.frames,
+                    after.asked
+                );
+                text += &figures(after);
+                text.push('\n');
+            }
+        }
+    }
+    text
+}
+
+fn figures(after: &After) -> String {
+    let mut text: String = COLUMNS
+        .iter()
+        .map(|(_, of)| mean(of(&after.errors)))
+        .collect();
+    let ratio = after.ratio;
+    let rest = [
+        after.rays,
+        after.total_rays,
+        after.milliseconds,
+        after.seconds.mean,
+        ratio.low,
+        ratio.median,
+        ratio.high,
+    ];
+    text.extend(rest.map(|value| format!(",{value}")));
+    text + &format!(",{}", after.pareto)
+}
+
+/// What path tracing needs for equal error, a line for each scene, backend, baseline, number of frames and metric.
+pub fn equal_error_csv(all: &[Measured]) -> String {
+    let mut text = String::from("scene,backend,baseline,frames,metric,reached");
+    for name in ["error", "samples", "rays", "seconds", "times"] {
+        text += &format!(",{name},{name}_standard_error,{name}_interval");
+    }
+    text.push('\n');
+    for measured in all {
+        for equal in &measured.equal_error {
+            text += &format!(
+                "{},{},{},{},{},{}",
+                quoted(&measured.scene),
+                measured.backend,
+                quoted(&equal.baseline),
+                equal.frames,
+                equal.metric,
+                equal.reached
+            );
+            let figures = [
+                equal.error,
+                equal.samples,
+                equal.rays,
+                equal.seconds,
+                equal.times,
+            ];
+            text.extend(figures.map(mean));
+            text.push('\n');
+        }
+    }
+    text
+}
+
+fn mean(value: Mean) -> String {
+    let text = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
+    format!(
+        ",{},{},{}",
+        value.mean,
+        text(value.standard_error),
+        text(value.interval)
+    )
+}
+
+/// A field of text, as RFC 4180 says.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}

@@ -1,0 +1,127 @@
+//! What was measured: tables, CSV, plots, and one page with all of it.
+mod csv;
+mod html;
+mod plots;
+mod sections;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use csv::{csv, equal_error_csv};
+pub use html::html;
+pub use plots::plots;
+pub use table::{equal_error_table, table};
+
+use super::{EqualError, Pictures, Row};
+use serde::Serialize;
+
+/// Everything that a run of the command measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct BenchReport {
+    /// The command line.
+    pub command: String,
+    /// What it ran on.
+    pub machine: Machine,
+    /// Backends that were to be measured and are not there.
+    pub not_run: Vec<NotRun>,
+    /// What was measured, by scene and backend.
+    pub measured: Vec<Measured>,
+}
+
+/// A machine.
+#[derive(Clone, Debug, Serialize)]
+pub struct Machine {
+    /// Operating system and architecture.
+    pub system: String,
+    /// Threads that can run at once.
+    pub threads: usize,
+    /// Version of the program.
+    pub gibs: String,
+}
+
+/// A backend that is missing.
+#[derive(Clone, Debug, Serialize)]
+pub struct NotRun {
+    /// Its name.
+    pub backend: String,
+    /// Why, and what to do.
+    pub reason: String,
+}
+
+/// What was measured of one scene on one backend.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    /// The scene, as it was asked for.
+    pub scene: String,
+    /// Backend.
+    pub backend: String,
+    /// Its device.
+    pub device: String,
+    /// The device's driver.
+    pub driver: String,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Ray budget of a frame of the first configuration.
+    pub rays: u32,
+    /// Repetitions.
+    pub seeds: u32,
+    /// What errors are against.
+    pub truth: AboutTruth,
+    /// A row for each configuration and baseline.
+    pub rows: Vec<Row>,
+    /// What path tracing needs for equal error.
+    pub equal_error: Vec<EqualError>,
+    /// Factor on pictures for display.
+    #[serde(skip)]
+    pub exposure: f32,
+    /// Pictures of the first seed.
+    #[serde(skip)]
+    pub pictures: Pictures,
+}
+
+/// A truth.
+#[derive(Clone, Debug, Serialize)]
+pub struct AboutTruth {
+    /// Of every how many pixels of a row and column there is a truth.
+    pub step: u32,
+    /// Samples per pixel, where known.
+    pub samples: Option<u32>,
+    /// Standard error per pixel over the mean, where known.
+    pub standard_error: Option<f64>,
+}
+
+impl Machine {
+    /// The one that this runs on.
+    pub fn here() -> Self {
+        Self {
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            gibs: env!("CARGO_PKG_VERSION").into(),
+        }
+    }
+}
+
+/// A line about the measurement.
+pub fn heading(measured: &Measured) -> String {
+    let [width, height] = measured.size;
+    let truth = &measured.truth;
+    let pixels = match truth.step {
+        1 => "every pixel".to_string(),
+        step => format!("one of {} pixels", step * step),
+    };
+    let samples = truth.samples.map(|n| format!(", {n} samples"));
+    let error = truth
+        .standard_error
+        .map(|e| format!(", standard error {:.1} % per pixel", e * 100.0));
+    format!(
+        "{} on {} ({}): {width}x{height}, {} rays a frame, {} seed{}; truth of {pixels}{}{}",
+        measured.scene,
+        measured.backend,
+        measured.device,
+        measured.rays,
+        measured.seeds,
+        if measured.seeds == 1 { "" } else { "s" },
+        samples.unwrap_or_default(),
+        error.unwrap_or_default(),
+    )
+}

@@ -1,0 +1,277 @@
+//! `gibs bench`: speed against error.
+mod backends;
+mod files;
+
+use super::CommandError;
+use super::output::{prepare_folder, progress, say, warning};
+use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
+use crate::bench::{
+    self, AboutTruth, BenchReport, Configuration, Look, Machine, Measured, Options, Pictures,
+    Target, Truth, TruthCache,
+};
+use backends::{Chosen, Opened};
+use gibs_graph::Backend;
+use std::path::PathBuf;
+
+/// Measure speed against error: what each element of the technique gains and costs, beside path tracing
+///
+/// Path tracing has as many rays, as much time, and what it needs for the same error.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// .gltf or .glb files, or built-in scenes
+    #[arg(value_name = "SCENE", default_values = ["cornell", "atrium"])]
+    scenes: Vec<String>,
+    /// Camera, sun, sky and animation of the scene, of which there can only be one then [default: the scene's own]
+    #[arg(long, value_name = "V.json")]
+    view: Option<PathBuf>,
+    /// Size of the picture
+    #[arg(long, value_name = "WxH", default_value = "480x270", value_parser = size)]
+    size: [u32; 2],
+    #[command(flatten)]
+    settings: SettingsArgs,
+    /// Elements to switch [default: all]
+    #[arg(long, value_name = "ELEMENT,..", value_delimiter = ',')]
+    elements: Vec<String>,
+    /// Backends to measure: auto, cpu, wgpu, vulkan, or all that this machine has
+    #[arg(
+        long,
+        value_name = "NAME,..",
+        value_delimiter = ',',
+        default_value = "auto"
+    )]
+    backends: Vec<Chosen>,
+    /// Frames from an empty cache after which errors are reported
+    #[arg(long, value_name = "N,..", value_delimiter = ',', default_values = ["16", "64"], value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    frames: Vec<u32>,
+    /// Repetitions with other random numbers, for confidence intervals
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1_000))]
+    seeds: u32,
+    /// The truth of the scene, of which there can only be one then: of every pixel, or of those in the middle of squares
+    /// of an odd number of them [default: path-traced, at every fifth pixel where the size is divisible]
+    #[arg(long, value_name = "REF.exr")]
+    truth: Option<PathBuf>,
+    /// Samples per pixel of a truth that is path-traced
+    #[arg(long, value_name = "N", default_value_t = 8192, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    spp: u32,
+    /// Keep truths that are path-traced in this folder [default: $XDG_CACHE_HOME/gibs/truths or ~/.cache/gibs/truths]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Path-trace truths anew and keep none
+    #[arg(long, conflicts_with = "cache")]
+    no_cache: bool,
+    /// Seconds that one render may take in the search for how long path tracing needs for the same error; 0 for no search
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
+    search: f64,
+    /// Write bench.html, bench.csv, equal-error.csv, bench.json and plots into this folder
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    /// Write the pictures of the report beside it as OpenEXR too
+    #[arg(long, requires = "report")]
+    pictures: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=86_400.0).contains(&value) => Ok(value),
+        _ => Err("give seconds from 0 to 86400, such as 10".into()),
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<(), CommandError> {
+    one_scene(args)?;
+    let settings = args.settings.load()?;
+    settings.check()?;
+    let elements = match args.elements.is_empty() {
+        true => Configuration::elements(),
+        false => {
+            let named = args.elements.iter().map(|name| element("--elements", name));
+            named.collect::<Result<_, _>>()?
+        }
+    };
+    let options = Options {
+        size: args.size,
+        configurations: bench::configurations(&settings, &elements),
+        frames: args.frames.clone(),
+        seeds: args.seeds,
+        search: args.search,
+        pictures: args.report.is_some(),
+    };
+    if let Some(folder) = &args.report {
+        prepare_folder(folder, files::PAGE)?;
+    }
+    // All of them first, so that a wrong name does not show after minutes.
+    let load = |scene: &String| {
+        let scene = SceneArgs {
+            scene: scene.clone(),
+            view: args.view.clone(),
+            size: Some(args.size),
+        };
+        scene.load()
+    };
+    let scenes = args.scenes.iter().map(load);
+    let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
+    let truth = args.truth.as_ref().map(|path| Truth::read(path, args.size));
+    let given = truth.transpose()?;
+    let Opened { backends, not_run } = backends::open(&args.backends)?;
+    for missing in &not_run {
+        warning!("not run: {}: {}", missing.backend, missing.reason);
+    }
+    let cache = match (&args.cache, args.no_cache) {
+        (_, true) => None,
+        (Some(folder), _) => Some(TruthCache::new(folder)),
+        (None, _) => TruthCache::usual(),
+    };
+    let mut report = BenchReport {
+        command: files::command_line(),
+        machine: Machine::here(),
+        not_run,
+        measured: Vec::new(),
+    };
+    for (index, (name, loaded)) in args.scenes.iter().zip(&scenes).enumerate() {
+        let Some(first) = backends.first() else {
+            break;
+        };
+        let target = |backend| Target {
+            backend,
+            scene: &loaded.scene,
+            view: &loaded.view,
+            size: args.size,
+        };
+        // One truth for all backends, so that its noise is the same for all.
+        let of_first = target(first.as_ref());
+        let truth = match &given {
+            Some(truth) => truth.clone(),
+            None => path_trace(&of_first, args.spp, cache.as_ref())?,
+        };
+        let look = match args.report {
+            Some(_) => Some(look(&truth, &of_first, args.spp, cache.as_ref())?),
+            None => None,
+        };
+        for backend in &backends {
+            let target = target(backend.as_ref());
+            let mut measured = measure(&target, &truth, &options, name, loaded)?;
+            measured.rays = settings.rays;
+            measured.pictures.truth = look.clone();
+            if !args.json {
+                let tables = bench::table(&measured.rows);
+                let equal = bench::equal_error_table(&measured.equal_error);
+                say!("{}\n\n{tables}\n{equal}", bench::heading(&measured));
+            }
+            if let Some(folder) = &args.report {
+                let stem = files::stem(&args.scenes, index, backend.name());
+                files::write_plots(folder, &stem, &measured)?;
+                if args.pictures {
+                    measured.pictures.write(folder, &stem)?;
+                }
+            }
+            report.measured.push(measured);
+        }
+    }
+    let json = serde_json::to_string_pretty(&report).unwrap_or_default();
+    if let Some(folder) = &args.report {
+        files::write(folder, &report, &json)?;
+    }
+    if args.json {
+        say!("{json}");
+    }
+    Ok(())
+}
+
+/// Refuses options that are of one scene where there are several.
+fn one_scene(args: &Args) -> Result<(), CommandError> {
+    let given = [("--view", &args.view), ("--truth", &args.truth)];
+    for (option, path) in given {
+        if let Some(path) = path
+            && args.scenes.len() > 1
+        {
+            return Err(CommandError::Value {
+                option,
+                value: path.display().to_string(),
+                want: format!("it is of one scene, and there are {}", args.scenes.len()),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn measure(
+    target: &Target<'_>,
+    truth: &Truth,
+    options: &Options,
+    scene: &str,
+    loaded: &Loaded,
+) -> Result<Measured, CommandError> {
+    let bar = progress(bench::work(options), "measuring");
+    let done = bench::measure(target, truth, options, || bar.inc(1));
+    bar.finish_and_clear();
+    let done = done?;
+    let backend: &dyn Backend = target.backend;
+    let device = backend.device();
+    Ok(Measured {
+        scene: scene.into(),
+        backend: backend.name().into(),
+        device: device.name.clone(),
+        driver: device.driver.clone(),
+        size: options.size,
+        rays: 0,
+        seeds: options.seeds,
+        truth: AboutTruth {
+            step: truth.step(),
+            samples: truth.samples,
+            standard_error: truth.standard_error,
+        },
+        rows: done.rows,
+        equal_error: done.equal_error,
+        exposure: loaded.view.exposure,
+        pictures: Pictures {
+            truth: None,
+            shots: done.shots,
+        },
+    })
+}
+
+fn path_trace(
+    target: &Target<'_>,
+    samples: u32,
+    cache: Option<&TruthCache>,
+) -> Result<Truth, CommandError> {
+    let (bar, heard) = tracing(samples, "path tracing the truth");
+    let truth = Truth::render(target, samples, cache, heard);
+    bar.finish_and_clear();
+    let truth = truth?;
+    if let Some(warning) = &truth.warning {
+        warning!("{warning}");
+    }
+    Ok(truth)
+}
+
+fn look(
+    truth: &Truth,
+    target: &Target<'_>,
+    samples: u32,
+    cache: Option<&TruthCache>,
+) -> Result<Look, CommandError> {
+    let (bar, heard) = tracing(samples, "path tracing its picture");
+    let look = truth.look(target, samples, cache, heard);
+    bar.finish_and_clear();
+    let look = look?;
+    if let Some(warning) = &look.warning {
+        warning!("{warning}");
+    }
+    Ok(look)
+}
+
+/// A bar for path tracing, and what moves it.
+fn tracing(samples: u32, what: &'static str) -> (indicatif::ProgressBar, impl FnMut(u32, u32)) {
+    // How many segments paths have is not known before; three per sample is usual.
+    let bar = progress(u64::from(samples) * 3, what);
+    let own = bar.clone();
+    (bar, move |frames, _| {
+        own.set_length(own.length().unwrap_or(0).max(u64::from(frames)));
+        own.set_position(u64::from(frames));
+    })
+}

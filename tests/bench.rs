@@ -1,0 +1,388 @@
+//! `gibs bench` as its users see it, on the CPU, so that it needs no device.
+#![cfg(feature = "cpu")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of one test's own, gone when the test is over.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gibs-bench-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn read(&self, name: &str) -> String {
+        let path = self.0.join(name);
+        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn gibs(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gibs"))
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+fn succeed(args: &[&str]) -> String {
+    let output = gibs(args);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {message}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn json(args: &[&str]) -> Value {
+    let text = succeed(args);
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{args:?}: {error} in {text}"))
+}
+
+/// A run that must be refused as bad usage or bad input, with every one of `parts` in its message.
+fn refused(args: &[&str], parts: &[&str]) {
+    let output = gibs(args);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    for part in parts {
+        assert!(
+            message.contains(part),
+            "{args:?}: `{part}` is not in: {message}"
+        );
+    }
+}
+
+/// A small measurement of the Cornell box.
+const FEW: [&str; 16] = [
+    "bench",
+    "cornell",
+    "--backends",
+    "cpu",
+    "--size",
+    "60x40",
+    "--set",
+    "surfels=8192",
+    "--rays",
+    "20000",
+    "--frames",
+    "3",
+    "--spp",
+    "16",
+    "--search",
+    "0.2",
+];
+
+fn rows(measured: &Value) -> &Vec<Value> {
+    measured["rows"].as_array().unwrap()
+}
+
+fn last(row: &Value) -> &Value {
+    row["after"].as_array().unwrap().last().unwrap()
+}
+
+#[test]
+fn elements_are_measured_beside_path_tracing() {
+    let folder = Folder::new("elements");
+    let (report, cache) = (folder.path("report"), folder.path("cache"));
+    let more = [
+        "--elements",
+        "guiding,sharing",
+        "--seeds",
+        "2",
+        "--json",
+        "--cache",
+        &cache,
+        "--report",
+        &report,
+    ];
+    let all = json(&[&FEW[..], &more].concat());
+    assert!(
+        all["command"]
+            .as_str()
+            .unwrap()
+            .starts_with("gibs bench cornell")
+    );
+    let measured = &all["measured"][0];
+    assert_eq!(measured["backend"], "cpu");
+    // Every fifth pixel.
+    assert_eq!(
+        (&measured["truth"]["step"], &measured["truth"]["samples"]),
+        (&5.into(), &16.into())
+    );
+    assert!(measured["truth"]["standard_error"].as_f64().unwrap() > 0.0);
+    let rows = rows(measured);
+    let text = |row: &Value, key: &str| row[key].as_str().unwrap().to_owned();
+    let names: Vec<_> = rows.iter().map(|row| text(row, "name")).collect();
+    assert_eq!(
+        names,
+        [
+            "as set",
+            "with guiding",
+            "without sharing",
+            "1/4 of the rays",
+            "4 x the rays",
+            "path tracing, equal rays",
+            "path tracing, equal time",
+            "brute force, equal rays",
+            "brute force, equal time",
+        ]
+    );
+    let rays: Vec<f64> = rows
+        .iter()
+        .map(|row| last(row)["rays"].as_f64().unwrap())
+        .collect();
+    // The budget, and up to as many again of paths that go on; path tracing takes whole samples, about eight a pixel, and the mean
+    // length of its paths is known to a few percent.
+    assert!((20_000.0..40_000.0).contains(&rays[0]), "{rays:?}");
+    assert!((5_000.0..10_000.0).contains(&rays[3]), "{rays:?}");
+    assert!((80_000.0..160_000.0).contains(&rays[4]), "{rays:?}");
+    for equal_rays in [5, 7] {
+        assert!((rays[equal_rays] / rays[0] - 1.0).abs() < 0.12, "{rays:?}");
+    }
+    // Of a lamp that rays meet by chance there is more noise.
+    let noise = |row: &Value| last(row)["errors"]["flip"]["mean"].as_f64().unwrap();
+    assert!(noise(&rows[7]) > 2.0 * noise(&rows[5]));
+    for row in rows {
+        let last = last(row);
+        assert_eq!((&last["frames"], &last["asked"]), (&3.into(), &true.into()));
+        for metric in ["rel_mse", "mape", "p99", "flip"] {
+            let value = |key: &str| last["errors"][metric][key].as_f64().unwrap();
+            assert!(value("mean") > 0.0, "{row}");
+            // Two seeds: Student's t of one degree of freedom.
+            let off = value("interval") - 12.706 * value("standard_error");
+            assert!(off.abs() <= 1e-4 * value("interval"), "{row}");
+        }
+        assert!(last["milliseconds"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(last["seconds"]["mean"].as_f64().unwrap() > 0.0, "{row}");
+        let total = last["total_rays"].as_f64().unwrap();
+        assert!((total / 3.0 / last["rays"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    }
+    assert_eq!(last(&rows[0])["ratio"]["median"], 1.0);
+    assert_eq!(last(&rows[0])["mape_ratio"]["mean"], 1.0);
+    let after = || rows.iter().flat_map(|row| row["after"].as_array().unwrap());
+    assert!(
+        after().any(|after| after["pareto"] == true)
+            && after().any(|after| after["pareto"] == false)
+    );
+
+    // Two baselines, one number of frames, two errors.
+    let equal = measured["equal_error"].as_array().unwrap();
+    assert_eq!(equal.len(), 4);
+    for each in equal {
+        assert!(each["times"]["mean"].as_f64().unwrap() > 0.0, "{each}");
+        assert!(each["reached"].is_boolean(), "{each}");
+    }
+
+    let files = Folder(PathBuf::from(&report));
+    assert!(
+        files
+            .read("cornell-cpu-frames.svg")
+            .contains("path tracing")
+    );
+    assert!(
+        files
+            .read("cornell-cpu-front.svg")
+            .contains("without sharing")
+    );
+    // After one, two and three frames each; path tracing may not reach a sample before the third.
+    let lines = files.read("bench.csv").lines().count();
+    assert!((1 + 5 * 3 + 4..=1 + 9 * 3).contains(&lines), "{lines}");
+    assert_eq!(files.read("equal-error.csv").lines().count(), 1 + 4);
+    assert_eq!(
+        serde_json::from_str::<Value>(&files.read("bench.json")).unwrap(),
+        all
+    );
+    assert!(files.read("bench.html").contains("without sharing"));
+
+    // The truth and its picture are kept, and found again: a second run adds nothing and finds the same.
+    let kept = || std::fs::read_dir(&cache).unwrap().count();
+    assert_eq!(kept(), 2);
+    let again = [
+        "--elements",
+        "depth",
+        "--seeds",
+        "1",
+        "--json",
+        "--cache",
+        &cache,
+    ];
+    let again = json(&[&FEW[..], &again].concat());
+    assert_eq!(again["measured"][0]["truth"], measured["truth"]);
+    assert_eq!(kept(), 2);
+}
+
+/// What `gibs compare` says of the pictures is what stands in the rows.
+#[test]
+fn figures_are_those_of_compare() {
+    let folder = Folder::new("compare");
+    let (report, truth) = (folder.path("report"), folder.path("truth.exr"));
+    let size = ["--size", "12x8", "--spp", "32", "--seed", "9", "--out"];
+    succeed(
+        &[
+            &["reference", "cornell", "--backend", "cpu"],
+            &size[..],
+            &[&truth],
+        ]
+        .concat(),
+    );
+    let more = [
+        "--elements",
+        "depth",
+        "--seeds",
+        "1",
+        "--no-cache",
+        "--truth",
+        &truth,
+        "--pictures",
+        "--report",
+        &report,
+        "--json",
+    ];
+    let all = json(&[&FEW[..], &more].concat());
+    let rows = rows(&all["measured"][0]);
+    let folder = Path::new(&report);
+    for (file, name) in [
+        ("cornell-cpu-as-set-3.exr", "as set"),
+        (
+            "cornell-cpu-path-tracing-equal-time-3.exr",
+            "path tracing, equal time",
+        ),
+        (
+            "cornell-cpu-brute-force-equal-time-3.exr",
+            "brute force, equal time",
+        ),
+    ] {
+        let picture = folder.join(file);
+        let compared = json(&[
+            "compare",
+            picture.to_str().unwrap(),
+            &truth,
+            "--centers",
+            "--json",
+        ]);
+        let row = rows.iter().find(|row| row["name"] == name).unwrap();
+        for metric in ["rel_mse", "mape", "bias", "p99", "flip"] {
+            assert_eq!(
+                last(row)["errors"][metric]["mean"],
+                compared["metrics"][metric],
+                "{metric} of {name}"
+            );
+        }
+    }
+    assert!(folder.join("cornell-cpu-truth.exr").exists());
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let folder = Folder::new("refused");
+    let truth = folder.path("truth.exr");
+    let size = ["--size", "12x8", "--spp", "16", "--out"];
+    succeed(
+        &[
+            &["reference", "cornell", "--backend", "cpu"],
+            &size[..],
+            &[&truth],
+        ]
+        .concat(),
+    );
+    let more = [
+        "--elements",
+        "depth",
+        "--seeds",
+        "1",
+        "--search",
+        "0",
+        "--truth",
+        &truth,
+    ];
+    let text = succeed(&[&FEW[..14], &more].concat());
+    assert!(text.contains("one of 25 pixels, standard error"), "{text}");
+    assert!(text.contains("| without depth | "), "{text}");
+    assert!(!text.contains("times the time"), "{text}");
+    refused(
+        &["bench", "cornell", "atrium", "--truth", &truth],
+        &["--truth", "truth.exr", "one scene"],
+    );
+    refused(
+        &["bench", "cornell", "--size", "64x64", "--truth", &truth],
+        &["truth.exr", "12x8", "64x64", "--size"],
+    );
+    refused(
+        &["bench", "cornell", "--elements", "gravity"],
+        &["--elements", "`gravity`", "sharing"],
+    );
+    refused(
+        &["bench", "--backends", "cpu,abacus"],
+        &["abacus", "wgpu", "all"],
+    );
+    refused(&["bench", "--search=-1"], &["--search", "86400"]);
+    refused(&["bench", "--pictures"], &["--report"]);
+    refused(&["bench", "--cache", "x", "--no-cache"], &["--no-cache"]);
+}
+
+/// Opens the page in a browser without a window, where there is one.
+#[test]
+fn browsers_have_nothing_to_complain_about() {
+    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
+    let paths = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&paths)
+        .flat_map(|folder| names.map(|name| folder.join(name)))
+        .find(|path| path.is_file());
+    let Some(browser) = found else {
+        eprintln!("not run: there is no {}", names.join(", "));
+        return;
+    };
+    let folder = Folder::new("browser");
+    let (report, picture) = (folder.path("report"), folder.path("page.png"));
+    let more = [
+        "--elements",
+        "depth",
+        "--seeds",
+        "2",
+        "--no-cache",
+        "--report",
+        &report,
+    ];
+    succeed(&[&FEW[..], &more].concat());
+    let output = Command::new(browser)
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+        ])
+        .args([
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+        ])
+        .args(["--enable-logging=stderr", "--window-size=1300,4000"])
+        .arg(format!("--user-data-dir={}", folder.path("profile")))
+        .arg(format!("--screenshot={picture}"))
+        .arg(format!("file://{report}/bench.html"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let complaints: Vec<&str> = said
+        .lines()
+        .filter(|line| line.contains("CONSOLE"))
+        .collect();
+    assert!(complaints.is_empty(), "{complaints:?}");
+    let page = image::open(&picture).unwrap().into_rgb8();
+    // Something of many colours, and not the page of an error.
+    let colors: std::collections::BTreeSet<[u8; 3]> = page.pixels().map(|p| p.0).collect();
+    assert!(colors.len() > 500, "{} colours", colors.len());
+}
