@@ -49,6 +49,14 @@ pub(super) fn under_sky((scene, view): &(Scene, View)) -> (Scene, View) {
     (scene, view)
 }
 
+/// The scene in the dark, but for its own light.
+pub(super) fn without_sky((scene, view): &(Scene, View)) -> (Scene, View) {
+    let mut view = view.clone();
+    view.sun = None;
+    view.environment = Environment::default();
+    (scene.clone(), view)
+}
+
 /// A sky with a small sun.
 pub(super) fn sky() -> Environment {
     guiding::built_in("sun").map_or_else(Environment::default, Environment::Map)

@@ -57,6 +57,11 @@ pub(super) fn imported(
                     log.upload(*resource, 0, bytes)?;
                 }
             }
+            // Irradiance for the engine, and radiance, in turns.
+            let host = HostGbuffer {
+                radiance: frame % 2,
+                ..host
+            };
             gi.begin_frame(&mut log, &camera, Some(&host))
                 .map_err(refused)?;
             Ok(log.take())

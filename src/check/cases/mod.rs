@@ -6,7 +6,7 @@ mod programs;
 use crate::Gi;
 use crate::renderer::RenderError;
 use crate::view::View;
-use enriched::{enriched, under_sky};
+use enriched::{enriched, under_sky, without_sky};
 use gibs_graph::check::{Case, Upload, UploadLog};
 use gibs_graph::{Backend, BackendError, Schedule};
 use gibs_passes::data::SurfacePoint;
@@ -80,6 +80,7 @@ pub fn cases(
             half_resolution: !usual.half_resolution,
             check_slots: true,
             queries: 64,
+            coverage: 1.5,
             debug: Some(DebugView::ALL[(2 * i) % DebugView::ALL.len()]),
             // More lists than there is room for, and fewer surfels than are wanted; with so many rays each that they
             // notice when lights change.
@@ -132,6 +133,9 @@ pub fn cases(
             oracle,
         )?);
         cases.push(reference(&format!("{name}, reference"), enriched, plan)?);
+        // A bright sky draws all samples.
+        let named = format!("{name}, reference without a sky");
+        cases.push(reference(&named, &without_sky(scene), plan)?);
     }
     cases.push(probes(plan)?);
     Ok(cases)
