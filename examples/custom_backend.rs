@@ -163,11 +163,10 @@ impl Run {
             // which nothing moves or touches until the last use of `views` below. Two bindings are of one allocation only
             // where neither writes it: compiling refuses the rest, and a history's two allocations are apart.
             let view = unsafe { RawView::new(start, bytes, binding.access, None) };
-            views.push(
-                resource
-                    .image
-                    .map_or(view, |image| view.with_size(image.size)),
-            );
+            views.push(match resource.image {
+                Some(image) => view.with_size(image.size),
+                None => view,
+            });
         }
         let size = dispatch.kernel.workgroup;
         for i in 0..x * y * z {

@@ -1,4 +1,4 @@
-//! Mutants of every WGSL kernel, against the oracle's results: how many would `gibs check` catch?
+//! Mutants of every WGSL kernel, against the oracle's results: how many do the comparators refuse?
 //!
 //! ```sh
 //! cargo run --release --example mutation -- 400
@@ -6,8 +6,10 @@
 //!
 //! takes the number of mutants; without one, it runs all of them, some thousands. Each mutant has one operator, sign,
 //! constant, index, branch, store or barrier changed. It runs on the Vulkan backend from captures of the stage in several
-//! scenes and frames, and is caught where an output differs from the CPU's by more than the port's comparator allows, or else
-//! where a twin test of the changed function fails. Prints
+//! scenes and frames, and is caught where the port's comparator refuses any element of an output against the CPU's, or else
+//! where a twin test of the changed function fails. That is not quite what `gibs check` would say: it lets elements pass
+//! that a rounding decides about, and runs the optional frames of one scene alone, at another size; here are those of every
+//! scene, at a size of which no last workgroup is full. Prints
 //! the survivors and, kernel by kernel, how many were caught; exits with 1 below 95 %. Mutants that do
 //! what the kernel does are listed with their reasons in `tests/mutation/equivalent.rs`, and count on neither side.
 #[path = "../tests/mutation/equivalent.rs"]

@@ -22,7 +22,12 @@
 //! ```
 mod cases;
 mod html;
+mod summary;
+mod table;
 
 pub use cases::{Plan, cases, surfels};
 pub use gibs_graph::check::*;
 pub use html::html;
+pub(crate) use summary::word;
+pub use summary::{NotRun, Summary};
+pub use table::{Row, Worst};

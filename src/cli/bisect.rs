@@ -1,6 +1,6 @@
 //! `gibs bisect`: where two backends part.
 use super::CommandError;
-use super::check::Way;
+use super::check::{MOST_FRAMES, Way};
 use super::output::{progress, say};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::check::{Difference, Participant, Way as How, bisect, surfels};
@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, value_name = "BACKEND")]
     b: Way,
     /// Frames to look at
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     frames: u32,
     /// Take the first bit that differs, also where the comparators of the stages allow it
     #[arg(long)]

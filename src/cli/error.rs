@@ -159,6 +159,41 @@ pub enum CommandError {
         /// The other.
         b: &'static str,
     },
+    /// A capture of a stage that this program does not have.
+    #[error(
+        "{} is a capture of the stage `{stage}`, which this program does not have; replay it with the program that wrote it, \
+         or write one anew with `gibs check --report DIR --capture NAME`", capture.display()
+    )]
+    NoSuchStage {
+        /// Capture.
+        capture: PathBuf,
+        /// Type name of its stage.
+        stage: String,
+    },
+    /// A capture of a stage that has other ports now.
+    #[error(
+        "{} is a capture of `{stage}`, which is not as it was captured: {problem}; replay it with the program that wrote it, \
+         or write it anew with `gibs check --report DIR --capture {stage}`", capture.display()
+    )]
+    StageChanged {
+        /// Capture.
+        capture: PathBuf,
+        /// Type name of its stage.
+        stage: String,
+        /// What differs.
+        problem: String,
+    },
+    /// A capture without results.
+    #[error(
+        "{} holds no results to compare with, so nothing was checked; write one that does with `gibs check --report DIR --capture {stage}`",
+        capture.display()
+    )]
+    NoResults {
+        /// Capture.
+        capture: PathBuf,
+        /// Type name of its stage.
+        stage: String,
+    },
     /// A check could not be made.
     #[error(transparent)]
     CheckKit(#[from] CheckError),

@@ -18,9 +18,22 @@ pub(super) fn print(text: &str) -> Result<(), CommandError> {
     }
 }
 
+/// Text of a file or a driver for a terminal, which would take control characters for commands. Lines and tabs stay.
+pub(super) fn printable(text: &str) -> String {
+    let mut said = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' | '\t' => said.push(c),
+            c if c.is_control() => said.extend(c.escape_default()),
+            c => said.push(c),
+        }
+    }
+    said
+}
+
 /// Prints to standard error, if anybody can hear it.
 pub(super) fn tell(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", printable(text));
 }
 
 /// Prints a line of the command's result.

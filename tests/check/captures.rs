@@ -234,6 +234,23 @@ fn backends_that_agree_have_no_parting() {
     );
 }
 
+/// What a backend says while it is searched is told with the case and the frame.
+#[test]
+fn a_backend_that_fails_is_told_with_its_case() {
+    let other = Sabotaged {
+        how: How::Fail,
+        ..sabotaged("Compose", "color", 1, first)
+    };
+    let oracle = scalar();
+    let participants = [
+        Participant::named("cpu-scalar", &oracle),
+        Participant::new(&other),
+    ];
+    let error = bisect(&mut case(3), participants, false, |_, _| {});
+    let said = error.expect_err("it fails").to_string();
+    assert!(said.starts_with("`cornell`, frame 1, "), "{said}");
+}
+
 /// Files that are no captures, or have been tampered with, are refused with the reason.
 #[test]
 fn broken_captures_are_refused() {

@@ -6,5 +6,7 @@ mod agree;
 mod captures;
 mod harness;
 mod program;
+mod replays;
+mod reports;
 mod sabotage;
 mod undecided;

@@ -4,16 +4,16 @@ use gibs::check::Capture;
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn gibs(arguments: &[&str]) -> Output {
+pub fn gibs(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gibs"));
     command.args(arguments).output().expect("it starts")
 }
 
-fn code(output: &Output) -> Option<i32> {
+pub fn code(output: &Output) -> Option<i32> {
     output.status.code()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
@@ -36,6 +36,7 @@ fn check_passes_and_writes_its_report() {
     let summary: serde_json::Value =
         serde_json::from_slice(&output.stdout).expect("JSON and nothing else");
     assert_eq!(summary["verdict"], "equal");
+    assert_eq!(summary["passed"], true);
     assert_eq!(summary["gaps"].as_array().map(Vec::len), Some(0));
     let html = std::fs::read_to_string(Path::new(folder).join("report.html")).expect("written");
     assert!(html.contains("gibs check") && html.contains("cpu-scalar"));
@@ -220,7 +221,15 @@ fn expectations_name_what_there_is() {
         ),
         (
             entry("x", "GapFill", "backend = \"cuda\""),
-            "no backend is called `cuda`",
+            "no participant is called `cuda`",
+        ),
+        (
+            entry("x", "GapFill", "backend = \"c\""),
+            "no participant is called `c`: choose of cpu-scalar, cpu",
+        ),
+        (
+            entry("x", "GapFill", "backend = \"\""),
+            "no participant is called ``",
         ),
     ] {
         let output = check(&list);

@@ -28,6 +28,8 @@ pub enum How {
     Skip,
     /// What was written cannot be read in full.
     Truncate,
+    /// The step is refused.
+    Fail,
 }
 
 impl Backend for Sabotaged {
@@ -93,6 +95,10 @@ impl Executable for Run {
             .filter(|(at, _)| *at == step && self.frame > self.from);
         match (hit, self.how) {
             (Some(_), How::Skip) => Ok(()),
+            (Some(_), How::Fail) => Err(BackendError::Kernel {
+                stage: "a stage".into(),
+                message: "as a test wants".into(),
+            }),
             (Some((_, id)), How::Damage(damage)) => {
                 self.inner.run_step(step)?;
                 let mut bytes = self.inner.read(id)?;

@@ -4,7 +4,7 @@ use super::compare::compare;
 use super::contents::Contents;
 use super::lockstep::{Lockstep, written};
 use super::report::Verdict;
-use super::run::CheckOptions;
+use super::run::{Captures, CheckOptions};
 use super::{Capture, Case, CheckError, Difference, Participant};
 use crate::{BackendError, Executable, Order, Schedule};
 
@@ -65,10 +65,11 @@ pub fn bisect(
             false => Vec::new(),
         },
         captures: 1,
-        stage: None,
+        ..CheckOptions::default()
     };
+    let name = case.name.clone();
     let failed = |frame, step: &str, backend: &str, source| CheckError::Backend {
-        case: String::new(),
+        case: name.clone(),
         frame,
         step: step.into(),
         backend: backend.into(),
@@ -83,7 +84,7 @@ pub fn bisect(
     let frames = case.frames.last().map_or(0, |last| last + 1);
     for frame in 0..frames {
         let uploads = case.uploads(frame).map_err(|source| CheckError::Feed {
-            case: schedule.name.clone(),
+            case: name.clone(),
             frame,
             source: Box::new(source),
         })?;
@@ -106,7 +107,7 @@ pub fn bisect(
         }
         // Again from the case, which would not lend them over the search above.
         let uploads = case.uploads(frame).map_err(|source| CheckError::Feed {
-            case: schedule.name.clone(),
+            case: name.clone(),
             frame,
             source: Box::new(source),
         })?;
@@ -181,7 +182,7 @@ fn lockstep(
         backend: participants[0].name.into(),
         source: Box::new(source),
     })?;
-    let mut captures = Vec::new();
+    let mut captures = Captures::default();
     run.frame(case, frame, &mut captures, &mut |_, _| false)?;
     let mut ports = run.report.steps.iter().flat_map(|step| {
         step.ports
@@ -204,6 +205,6 @@ fn lockstep(
             .clone()
             .map_or(parted.difference, |(_, worst)| worst),
         way: Way::Stage,
-        capture: captures.pop(),
+        capture: captures.differing.pop(),
     })
 }

@@ -48,12 +48,15 @@ pub enum CheckError {
         resource: String,
     },
     /// No step has the name that was asked for.
-    #[error("`{case}` has no step or stage `{stage}`; `gibs graph` lists them")]
+    #[error(
+        "no step or stage that is checked has `{stage}` in its name{}; `gibs graph SCENE` lists those of a scene",
+        or(near)
+    )]
     NoStage {
-        /// Case, or several.
-        case: String,
         /// What was asked for.
         stage: String,
+        /// Names that come near it.
+        near: Vec<String>,
     },
     /// A backend failed while it was checked.
     #[error("`{case}`, frame {frame}, `{step}` on {backend}: {source}")]
@@ -96,13 +99,32 @@ pub enum CheckError {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaptureError {
-    /// The file cannot be opened, read or written.
-    #[error("{file}: {source}")]
-    File {
+    /// The file cannot be opened or read.
+    #[error(
+        "{file} cannot be read: {source}; give a file that `gibs check --report` or `gibs bisect` has written, and that this \
+         user may read"
+    )]
+    Read {
         /// File.
         file: PathBuf,
         /// Why not.
         source: std::io::Error,
+    },
+    /// The file cannot be written.
+    #[error(
+        "{file} cannot be written: {source}; name a file in a folder that exists and that this user may write to"
+    )]
+    Write {
+        /// File.
+        file: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The file is a folder.
+    #[error("{file} is a folder; name one of the captures in it, which end in .npz")]
+    Folder {
+        /// Folder.
+        file: PathBuf,
     },
     /// The file is no capture.
     #[error(
@@ -144,4 +166,12 @@ pub enum CaptureError {
         /// What it said.
         source: Box<BackendError>,
     },
+}
+
+/// Adds names to a sentence that says that there is none of the name that was asked for.
+fn or(near: &[String]) -> String {
+    match near {
+        [] => String::new(),
+        names => format!("; near it are `{}`", names.join("`, `")),
+    }
 }

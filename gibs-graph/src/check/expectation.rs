@@ -16,9 +16,9 @@ pub struct Expectations {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
-    /// Part of the device's name or its driver's, in any case.
+    /// Part of the device's name or its driver's, in any case; an empty one is of no device.
     pub device: String,
-    /// Name of the backend, or of the participant; any where it is missing.
+    /// Name of the participant, the whole of it; any where it is missing.
     pub backend: Option<String>,
     /// Type name of the stage.
     pub stage: String,
@@ -35,8 +35,9 @@ impl Expectation {
         let named = self
             .backend
             .as_ref()
-            .is_none_or(|backend| lane.name.starts_with(backend));
+            .is_none_or(|backend| lane.name == *backend);
         named
+            && !device.trim().is_empty()
             && names
                 .iter()
                 .any(|name| name.to_lowercase().contains(&device))

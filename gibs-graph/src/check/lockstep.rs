@@ -4,7 +4,7 @@ use super::contents::{Contents, poison};
 use super::isolate::isolate;
 use super::judge::{Judge, steps, tally};
 use super::report::{CaseReport, PairReport};
-use super::run::CheckOptions;
+use super::run::{Captures, CheckOptions};
 use super::untouched::{UNTOUCHED, only_read};
 use super::{Capture, Case, CheckError, Participant};
 use crate::{
@@ -171,7 +171,7 @@ impl<'a> Lockstep<'a> {
         &mut self,
         case: &mut Case<'_>,
         frame: u32,
-        captures: &mut Vec<Capture>,
+        captures: &mut Captures,
         wanted: &mut dyn FnMut(&str, &DispatchStep) -> bool,
     ) -> Result<(), CheckError> {
         let name = case.name.clone();
@@ -216,13 +216,15 @@ impl<'a> Lockstep<'a> {
                 && wanted(&step.label, dispatch)
             {
                 let all: Vec<usize> = (0..self.participants.len()).collect();
-                captures.extend(self.capture(&name, frame, i, &outputs, &all));
+                captures
+                    .wanted
+                    .extend(self.capture(&name, frame, i, &outputs, &all));
             }
-            self.judge(&name, frame, i, &outputs, captures)
+            self.judge(&name, frame, i, &outputs, &mut captures.differing)
                 .map_err(|source| failed(self.participants[0].name, &step.label, source))?;
             self.settle(step, outputs)
                 .map_err(|source| failed("all", &step.label, source))?;
-            self.look_after(&name, frame, i, captures)
+            self.look_after(&name, frame, i, &mut captures.differing)
                 .map_err(|(backend, source)| failed(backend, &step.label, source))?;
         }
         self.report.frames += 1;

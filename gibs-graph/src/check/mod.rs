@@ -23,6 +23,7 @@ mod isolate;
 mod judge;
 mod leaves;
 mod lockstep;
+mod near;
 mod npz;
 mod reduce;
 mod replay;

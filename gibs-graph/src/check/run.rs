@@ -1,9 +1,10 @@
 //! What the kit does with cases: compare backends on them, or record what one makes of them.
 use super::case::distinct;
 use super::lockstep::Lockstep;
+use super::near::near;
 use super::report::{Lane, Report};
 use super::{Capture, Case, CheckError, Participant};
-use crate::DispatchStep;
+use crate::{Action, DispatchStep, Step};
 
 /// What is checked how.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,10 @@ pub struct CheckOptions {
     pub exact: Vec<(String, String)>,
     /// Most captures of differences to keep.
     pub captures: usize,
+    /// Capture steps and stages of which the name contains this, also where all agree.
+    pub capture: Option<String>,
+    /// Most captures of those to keep.
+    pub captured: usize,
 }
 
 /// What a check gives.
@@ -23,6 +28,59 @@ pub struct Checked {
     pub report: Report,
     /// The first difference of each step that has one, as far as was asked for.
     pub captures: Vec<Capture>,
+    /// The steps that [`CheckOptions::capture`] names, of the frames that were compared, case by case; with what all
+    /// participants made of them.
+    pub asked: Vec<Capture>,
+    /// There would have been more of those.
+    pub asked_more: bool,
+}
+
+/// Captures on the way.
+#[derive(Default)]
+pub(crate) struct Captures {
+    /// Of differences.
+    pub differing: Vec<Capture>,
+    /// Of steps that were asked for.
+    pub wanted: Vec<Capture>,
+}
+
+/// Whether a step of this name, of a stage of this type, is one that was asked for.
+fn is_named(wanted: &str, label: &str, stage: &str) -> bool {
+    label.contains(wanted) || stage.contains(wanted)
+}
+
+/// Name of a step and type of its stage, which a clear has none of.
+fn names(step: &Step) -> [&str; 2] {
+    match &step.action {
+        Action::Dispatch(dispatch) => [&step.label, dispatch.stage],
+        Action::Clear(_) => [&step.label, ""],
+    }
+}
+
+/// Refuses a name that no step has, before anything has run. `clears` are steps too, but run no kernel.
+fn expect_step(
+    cases: &[Case<'_>],
+    wanted: Option<&String>,
+    clears: bool,
+) -> Result<(), CheckError> {
+    let Some(wanted) = wanted else {
+        return Ok(());
+    };
+    let steps = || {
+        cases
+            .iter()
+            .flat_map(|case| &case.schedule.steps)
+            .map(names)
+            .filter(|[_, stage]| clears || !stage.is_empty())
+    };
+    if steps().any(|[label, stage]| is_named(wanted, label, stage)) {
+        return Ok(());
+    }
+    let known = steps().flatten();
+    Err(CheckError::NoStage {
+        near: near(wanted, known),
+        stage: wanted.clone(),
+    })
 }
 
 /// Runs the frames of each case on all participants and holds every pair of them against each other after every step. The first one is
@@ -39,6 +97,8 @@ pub fn check(
     mut progress: impl FnMut(&str, u32, u32),
 ) -> Result<Checked, CheckError> {
     distinct(participants)?;
+    expect_step(cases, options.stage.as_ref(), true)?;
+    expect_step(cases, options.capture.as_ref(), false)?;
     let lanes = participants.iter().map(|p| Lane {
         name: p.name.into(),
         device: p.backend.device().clone(),
@@ -50,6 +110,16 @@ pub fn check(
             cases: Vec::new(),
         },
         captures: Vec::new(),
+        asked: Vec::new(),
+        asked_more: false,
+    };
+    let mut captures = Captures::default();
+    let mut count = 0;
+    let mut wanted = |label: &str, dispatch: &DispatchStep| {
+        let named = options.capture.as_deref();
+        let named = named.is_some_and(|wanted| is_named(wanted, label, dispatch.stage));
+        count += usize::from(named);
+        named && count <= options.captured
     };
     for case in cases.iter_mut() {
         case.keeps_transients()?;
@@ -57,24 +127,13 @@ pub fn check(
         let frames = case.frames.clone();
         for (done, &frame) in (1..).zip(&frames) {
             run.skip_to(case, frame)?;
-            run.frame(case, frame, &mut checked.captures, &mut |_, _| false)?;
+            run.frame(case, frame, &mut captures, &mut wanted)?;
             progress(&case.name, done, frames.len() as u32);
         }
         checked.report.cases.push(run.report);
     }
-    if let Some(stage) = &options.stage
-        && checked
-            .report
-            .cases
-            .iter()
-            .all(|case| case.steps.is_empty())
-    {
-        let names: Vec<_> = cases.iter().map(|case| case.name.as_str()).collect();
-        return Err(CheckError::NoStage {
-            case: names.join("`, `"),
-            stage: stage.clone(),
-        });
-    }
+    checked.asked_more = count > options.captured;
+    (checked.captures, checked.asked) = (captures.differing, captures.wanted);
     Ok(checked)
 }
 
@@ -92,8 +151,8 @@ pub fn record(
     case.keeps_transients()?;
     let (participants, options) = ([participant], CheckOptions::default());
     let mut run = Lockstep::new(case, &participants, &options)?;
-    let mut captures = Vec::new();
+    let mut captures = Captures::default();
     run.skip_to(case, frame)?;
     run.frame(case, frame, &mut captures, &mut wanted)?;
-    Ok(captures)
+    Ok(captures.wanted)
 }

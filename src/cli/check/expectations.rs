@@ -36,15 +36,17 @@ fn problem_with(expectation: &Expectation) -> Option<String> {
         return Some(format!("`{name}` is empty"));
     }
     if let Some(backend) = &expectation.backend
-        && !WAYS.iter().any(|(name, _)| name.starts_with(backend))
+        && !WAYS.iter().any(|(name, _)| name == backend)
     {
         let names = WAYS.map(|(name, _)| name).join(", ");
-        return Some(format!("no backend is called `{backend}`: {names}"));
+        return Some(format!(
+            "no participant is called `{backend}`: choose of {names}"
+        ));
     }
     let stages = stages::all();
     let Some(stage) = stages.iter().find(|stage| stage.name == expectation.stage) else {
         return Some(format!(
-            "no stage has the type name `{}`; reports show it beside each step",
+            "no stage has the type name `{}`; reports show it beside each step, such as `TraceClosest`",
             expectation.stage
         ));
     };

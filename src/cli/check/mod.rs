@@ -1,14 +1,15 @@
 //! `gibs check`: every stage on every backend, from equal inputs.
 mod expectations;
 mod participants;
-mod table;
+mod tell;
 
 use super::CommandError;
 use super::output::{prepare_folder, progress, say, warning};
 use super::scene::{Loaded, SceneArgs};
 use crate::builtin;
 use crate::check::{
-    Capture, Case, CheckOptions, Expectations, Participant, Plan, Verdict, cases, check, html,
+    Capture, Case, CheckOptions, Checked, Expectations, Participant, Plan, Summary, cases, check,
+    html,
 };
 use crate::picture::replace_file;
 use crate::view::View;
@@ -17,7 +18,7 @@ use gibs_passes::stages;
 use participants::{Opened, open};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use table::{Summary, tell};
+use tell::tell;
 
 pub use participants::Way;
 
@@ -38,7 +39,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
     /// Compare the first N frames, instead of some early and some later ones up to the 77th
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
     frames: Option<u32>,
     /// Width and height of the pictures
     #[arg(long, value_name = "WxH", default_value = "48x27", value_parser = super::scene::size)]
@@ -55,13 +56,22 @@ pub struct Args {
     /// Write report.html, report.json and captures of differences here
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
+    /// Also capture steps and stages of which the name contains this, in every frame that is compared, where all agree too
+    #[arg(long, value_name = "NAME", requires = "report")]
+    capture: Option<String>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+/// Frames that are compared at most: each is kept in memory with what the host feeds it.
+pub(super) const MOST_FRAMES: i64 = 65_536;
+
 /// Captures that a report holds at most, of the first steps that differ.
 const MOST_CAPTURES: usize = 16;
+
+/// Captures that a report holds at most of steps that were asked for.
+const MOST_ASKED: usize = 64;
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
@@ -84,6 +94,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let mut options = CheckOptions {
         stage: args.stage.clone(),
         captures: MOST_CAPTURES,
+        capture: args.capture.clone(),
+        captured: MOST_ASKED,
         ..CheckOptions::default()
     };
     if same_spirv {
@@ -124,59 +136,62 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     let unrun = stages_not_run(&cases);
     let captures = match &args.report {
-        Some(folder) => write_captures(folder, &checked.captures)?,
+        Some(folder) => write_captures(folder, checked.captures.iter().chain(&checked.asked))?,
         None => Vec::new(),
     };
     let summary = Summary {
-        verdict: checked.report.verdict(),
+        stage: args.stage.as_deref(),
         not_run: &not_run,
         stages_not_run: &unrun,
-        gaps: &gaps,
-        unmet: &unmet,
-        report: &checked.report,
         captures: &captures,
+        ..Summary::new(&checked.report, &gaps, &unmet)
     };
-    let json = serde_json::to_string_pretty(&summary).unwrap_or_default();
     if let Some(folder) = &args.report {
         let compact = serde_json::to_string(&summary).unwrap_or_default();
         replace_file(&folder.join("report.json"), compact.as_bytes())?;
-        replace_file(
-            &folder.join("report.html"),
-            html(&checked.report, &checked.captures, &unmet, args.size).as_bytes(),
-        )?;
+        let page = html(&summary, &checked.captures, args.size);
+        replace_file(&folder.join("report.html"), page.as_bytes())?;
     }
     match args.json {
-        true => say!("{json}"),
+        true => say!(
+            "{}",
+            serde_json::to_string_pretty(&summary).unwrap_or_default()
+        ),
         false => tell(&summary)?,
     }
-    if args.report.is_some() && captures.len() == MOST_CAPTURES {
+    warn(args, &checked, &summary);
+    match summary.passed {
+        true => Ok(()),
+        false => Err(CommandError::Check {
+            differences: summary.differences(),
+            gaps: gaps.len(),
+            unmet: unmet.len(),
+        }),
+    }
+}
+
+/// What is not in the answer as it could have been.
+fn warn(args: &Args, checked: &Checked, summary: &Summary<'_>) {
+    if args.report.is_some() && checked.captures.len() == MOST_CAPTURES {
         warning!(
             "there are captures of the first {MOST_CAPTURES} steps that differ; name another with --stage for its own"
         );
     }
-    for missing in &not_run {
+    if checked.asked_more {
+        warning!(
+            "--capture stops at {MOST_ASKED} captures; name a single step, one scene or fewer --frames for others"
+        );
+    }
+    for missing in summary.not_run {
         warning!("not run: {}: {}", missing.name, missing.reason);
     }
-    for expectation in &unmet {
+    for expectation in summary.unmet {
         warning!(
             "`{}` on `{}` is expected to differ and did not: {}; take it off the list",
             expectation.stage,
             expectation.device,
             expectation.reason
         );
-    }
-    let differences = checked
-        .report
-        .pairs()
-        .filter(|(.., p)| p.verdict == Verdict::Differs)
-        .count();
-    match differences + gaps.len() + unmet.len() {
-        0 => Ok(()),
-        _ => Err(CommandError::Check {
-            differences,
-            gaps: gaps.len(),
-            unmet: unmet.len(),
-        }),
     }
 }
 
@@ -227,9 +242,12 @@ fn stages_not_run(cases: &[Case<'_>]) -> Vec<&'static str> {
 }
 
 /// Writes captures under names of their steps, with a number in front where two would have the same.
-fn write_captures(folder: &Path, captures: &[Capture]) -> Result<Vec<PathBuf>, CommandError> {
+fn write_captures<'a>(
+    folder: &Path,
+    captures: impl Iterator<Item = &'a Capture>,
+) -> Result<Vec<PathBuf>, CommandError> {
     let mut files = Vec::new();
-    for (number, capture) in captures.iter().enumerate() {
+    for (number, capture) in captures.enumerate() {
         let plain: String = format!("{}-{}", capture.case, capture.label)
             .chars()
             .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })

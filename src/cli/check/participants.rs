@@ -1,9 +1,9 @@
 //! What takes part in a check.
 use super::Args;
 use crate::backends::{self, Choice};
+use crate::check::NotRun;
 use crate::cli::CommandError;
 use gibs_graph::{Backend, BackendError};
-use serde::Serialize;
 
 /// A way to run a backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,13 +77,6 @@ impl Way {
             }
         }
     }
-}
-
-/// A participant that is missing.
-#[derive(Debug, Serialize)]
-pub struct NotRun {
-    pub name: String,
-    pub reason: String,
 }
 
 /// The participants, and what could not be had.

@@ -15,9 +15,9 @@ impl Capture {
     /// Writes it.
     ///
     /// # Errors
-    /// [`CaptureError::File`].
+    /// [`CaptureError::Write`].
     pub fn write(&self, file: &Path) -> Result<(), CaptureError> {
-        let failed = |source| CaptureError::File {
+        let failed = |source| CaptureError::Write {
             file: file.into(),
             source,
         };
@@ -53,9 +53,13 @@ impl Capture {
     /// Reads one.
     ///
     /// # Errors
-    /// [`CaptureError::File`], [`CaptureError::Format`].
+    /// [`CaptureError::Read`], [`CaptureError::Folder`], [`CaptureError::Format`].
     pub fn read(file: &Path) -> Result<Self, CaptureError> {
-        let opened = File::open(file).map_err(|source| CaptureError::File {
+        // Before it is opened: whether a folder can be is up to the system, and reading it says little of why it fails.
+        if file.is_dir() {
+            return Err(CaptureError::Folder { file: file.into() });
+        }
+        let opened = File::open(file).map_err(|source| CaptureError::Read {
             file: file.into(),
             source,
         })?;

@@ -1,13 +1,13 @@
 //! `gibs replay`: one captured stage alone.
+mod shrink;
+
 use super::CommandError;
 use super::check::Way;
-use super::output::{progress, say, warning};
-use crate::check::{
-    Capture, CaptureError, Comparison, Participant, Reduced, reduce, replay, verify,
-};
-use gibs_graph::{Backend, StageInfo};
+use super::output::{printable, say};
+use crate::check::{Capture, CaptureError, replay, verify};
 use gibs_passes::stages;
 use serde::Serialize;
+use shrink::{Shrunk, shrink};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use std::time::Duration;
 /// participant of the capture made
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// File that `gibs check --report` or `gibs bisect` has written
+    /// File that `gibs check --report`, with --capture where nothing differs, or `gibs bisect` has written
     #[arg(value_name = "CAPTURE.npz")]
     capture: PathBuf,
     /// cpu-scalar, cpu, cpu-checked, vulkan or wgpu
@@ -43,8 +43,25 @@ pub struct Args {
     json: bool,
 }
 
+/// What a replayed stage gives, against what the first participant of the capture made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Verdict {
+    /// The same bits.
+    Equal,
+    /// What the ports' comparators allow.
+    Within,
+    /// Something else.
+    Differs,
+    /// The capture holds no results.
+    Unchecked,
+}
+
 #[derive(Serialize)]
 struct Summary {
+    verdict: Verdict,
+    /// Nothing differs, and something was compared.
+    passed: bool,
     case: String,
     frame: u32,
     step: String,
@@ -72,20 +89,13 @@ struct Against {
     worst: Option<crate::check::Difference>,
 }
 
-#[derive(Serialize)]
-struct Shrunk {
-    file: PathBuf,
-    nonzero_bytes_before: u64,
-    nonzero_bytes_after: u64,
-    tried: u32,
-}
-
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let capture = Capture::read(&args.capture)?;
     let stages = stages::all();
     let backend = args.backend.open(false)?;
-    let replayed = replay(&capture, &stages, backend.as_ref(), args.runs)?;
+    let replayed = replay(&capture, &stages, backend.as_ref(), args.runs)
+        .map_err(|error| of_file(&args.capture, error))?;
     let mut against = Vec::new();
     for origin in &capture.results {
         let found = verify(
@@ -111,7 +121,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let mut times = replayed.times.clone();
     times.sort_unstable();
     let micros = |time: Option<&Duration>| time.map_or(0.0, |t| t.as_secs_f64() * 1e6);
+    let oracle = capture.results.first().map(|oracle| oracle.lane.as_str());
+    let verdict = judged(oracle, &against);
     let summary = Summary {
+        verdict,
+        passed: matches!(verdict, Verdict::Equal | Verdict::Within),
         case: capture.case.clone(),
         frame: capture.frame,
         step: capture.label.clone(),
@@ -130,92 +144,62 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             "{}",
             serde_json::to_string_pretty(&summary).unwrap_or_default()
         ),
-        false => tell(&summary)?,
+        false => tell(&summary, oracle)?,
     }
-    // What the first participant made is the oracle's.
-    let Some(oracle) = capture.results.first() else {
-        warning!(
-            "{} holds no results to compare with",
-            args.capture.display()
-        );
-        return Ok(());
-    };
-    let mut ports = summary.against.iter();
-    match ports.any(|port| port.lane == oracle.lane && port.refused > 0) {
-        false => Ok(()),
-        true => Err(CommandError::Replay {
+    match (verdict, oracle) {
+        (Verdict::Equal | Verdict::Within, _) => Ok(()),
+        (Verdict::Differs, Some(oracle)) => Err(CommandError::Replay {
             stage: summary.stage,
             backend: summary.backend,
-            oracle: oracle.lane.clone(),
+            oracle: oracle.into(),
+        }),
+        _ => Err(CommandError::NoResults {
+            capture: args.capture.clone(),
+            stage: summary.stage,
         }),
     }
 }
 
-/// Shrinks the capture as long as the backend differs from the other one.
-fn shrink(
-    args: &Args,
-    file: &Path,
-    capture: &Capture,
-    stages: &[StageInfo],
-    backend: &dyn Backend,
-) -> Result<Shrunk, CommandError> {
-    let other = args.against.open(false)?;
-    let differ = |candidate: &Capture| -> Result<bool, CaptureError> {
-        let expected = replay(candidate, stages, other.as_ref(), 1)?;
-        let found = replay(candidate, stages, backend, 1)?;
-        let ports = verify(
-            candidate,
-            &expected.schedule,
-            &expected.outputs,
-            &found.outputs,
-        );
-        Ok(ports
-            .iter()
-            .any(|(_, found): &(String, Comparison)| !found.refused.is_empty()))
+/// What the first participant made is the oracle's.
+fn judged(oracle: Option<&str>, against: &[Against]) -> Verdict {
+    let Some(oracle) = oracle else {
+        return Verdict::Unchecked;
     };
-    if !differ(capture)? {
-        return Err(CommandError::NothingToReduce {
-            capture: args.capture.clone(),
-            a: args.against.name(),
-            b: args.backend.name(),
-        });
+    let ports = || against.iter().filter(|port| port.lane == oracle);
+    match (
+        ports().any(|port| port.refused > 0),
+        ports().any(|port| port.unequal > 0),
+    ) {
+        (true, _) => Verdict::Differs,
+        (_, true) => Verdict::Within,
+        _ if ports().next().is_none() => Verdict::Unchecked,
+        _ => Verdict::Equal,
     }
-    let bar = progress(u64::from(args.tries), "candidates");
-    let Reduced {
-        mut capture,
-        nonzero,
-        tried,
-    } = reduce(capture, args.tries, |candidate| {
-        bar.inc(1);
-        // A stage may be unable to run on zeros in place of, say, a tree; that is no smaller case of the difference.
-        Ok::<_, CaptureError>(differ(candidate).unwrap_or(false))
-    })?;
-    bar.finish_and_clear();
-    for (name, backend) in [
-        (args.against.name(), other.as_ref()),
-        (args.backend.name(), backend),
-    ] {
-        let outputs = replay(&capture, stages, backend, 1)?.outputs;
-        capture.add_results(Participant::named(name, backend), outputs);
-    }
-    capture.write(file)?;
-    Ok(Shrunk {
-        file: file.into(),
-        nonzero_bytes_before: nonzero[0],
-        nonzero_bytes_after: nonzero[1],
-        tried,
-    })
 }
 
-fn tell(summary: &Summary) -> Result<(), CommandError> {
+/// An error of a capture, with the file that it is of.
+fn of_file(file: &Path, error: CaptureError) -> CommandError {
+    let capture = file.to_owned();
+    match error {
+        CaptureError::UnknownStage { stage } => CommandError::NoSuchStage { capture, stage },
+        CaptureError::Changed { stage, problem } => CommandError::StageChanged {
+            capture,
+            stage,
+            problem,
+        },
+        error => error.into(),
+    }
+}
+
+fn tell(summary: &Summary, oracle: Option<&str>) -> Result<(), CommandError> {
     say!(
         "{} ({}) of frame {} of {} on {} ({})",
-        summary.step,
-        summary.stage,
+        printable(&summary.step),
+        printable(&summary.stage),
         summary.frame,
-        summary.case,
+        printable(&summary.case),
         summary.backend,
-        summary.device
+        printable(&summary.device)
     );
     say!(
         "{} runs, median {:.1} us, fastest {:.1} us, {}",
@@ -230,9 +214,9 @@ fn tell(summary: &Summary) -> Result<(), CommandError> {
     for port in &summary.against {
         say!(
             "against {} ({}), {}: {} of {} elements unequal, {} refused",
-            port.lane,
-            port.device,
-            port.port,
+            printable(&port.lane),
+            printable(&port.device),
+            printable(&port.port),
             port.unequal,
             port.elements,
             port.refused
@@ -250,11 +234,19 @@ fn tell(summary: &Summary) -> Result<(), CommandError> {
     if let Some(reduced) = &summary.reduced {
         say!(
             "{}: {} of {} bytes of input are not zero, after {} candidates",
-            reduced.file.display(),
+            printable(&reduced.file.display().to_string()),
             reduced.nonzero_bytes_after,
             reduced.nonzero_bytes_before,
             reduced.tried
         );
+    }
+    match (summary.verdict, oracle.map(printable)) {
+        (Verdict::Equal, Some(oracle)) => say!("passed: the bits that {oracle} made of it"),
+        (Verdict::Within, Some(oracle)) => {
+            say!("passed: within what the comparators allow of what {oracle} made of it");
+        }
+        (Verdict::Differs, Some(oracle)) => say!("failed: not what {oracle} made of it"),
+        _ => say!("nothing was checked: the capture holds no results"),
     }
     Ok(())
 }
