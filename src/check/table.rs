@@ -1,5 +1,5 @@
 //! A report folded to a row for each port of each stage.
-use gibs_graph::check::{Difference, PairReport, Report, Verdict};
+use gibs_graph::check::{Difference, PairReport, PortReport, Report, Verdict};
 use gibs_graph::{Comparator, Floats, Order};
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Row {
     /// Type name of the stage; `clear` for clears.
     pub stage: String,
-    /// Port.
+    /// Port; `(only read)` for all that it leaves as it is.
     pub port: String,
     /// How it was compared, in short.
     pub comparator: String,
@@ -56,18 +56,23 @@ pub fn rows(report: &Report) -> Vec<Row> {
             "" => "clear",
             stage => stage,
         };
-        let comparator = comparator_of(&port.comparator, pair);
+        let comparator = comparator_of(port, pair);
+        // One row for all of them, where nothing happened to any.
+        let name = match port.only_read && pair.verdict == Verdict::Equal {
+            true => "(only read)",
+            false => &port.port,
+        };
         let known = rows.iter().position(|row| {
             (
                 row.stage.as_str(),
                 row.port.as_str(),
                 row.comparator.as_str(),
-            ) == (stage, port.port.as_str(), comparator.as_str())
+            ) == (stage, name, comparator.as_str())
         });
         let at = known.unwrap_or_else(|| {
             rows.push(Row {
                 stage: stage.into(),
-                port: port.port.clone(),
+                port: name.into(),
                 comparator,
                 comparisons: 0,
                 elements: 0,
@@ -99,15 +104,24 @@ pub fn rows(report: &Report) -> Vec<Row> {
 }
 
 /// What a pair was held to.
-fn comparator_of(comparator: &Comparator, pair: &PairReport) -> String {
-    match pair.exact && comparator.order == Order::InOrder {
+fn comparator_of(port: &PortReport, pair: &PairReport) -> String {
+    match pair.exact && port.comparator.order == Order::InOrder {
         true => "exact".into(),
-        false => short(comparator),
+        false => said(port),
+    }
+}
+
+/// How a port is compared, in short.
+pub(crate) fn said(port: &PortReport) -> String {
+    match (port.only_read, port.comparator.order) {
+        (true, _) => "untouched".into(),
+        (_, Order::InOrder) if port.integers => "integers".into(),
+        _ => short(&port.comparator),
     }
 }
 
 /// A comparator without its reason.
-pub(crate) fn short(comparator: &Comparator) -> String {
+fn short(comparator: &Comparator) -> String {
     let mut said = match comparator.floats {
         Floats::Exact => "exact".to_owned(),
         Floats::Ulps(n) => format!("{n} ULP"),

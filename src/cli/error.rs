@@ -149,6 +149,16 @@ pub enum CommandError {
         /// First participant of the capture.
         oracle: String,
     },
+    /// A replayed stage changed what it only reads.
+    #[error("`{stage}` on {backend} changed what it only reads: {}", buffers.join(", "))]
+    Scribbled {
+        /// Stage.
+        stage: String,
+        /// Backend.
+        backend: &'static str,
+        /// Buffers.
+        buffers: Vec<String>,
+    },
     /// There is no difference to keep.
     #[error("{}: {a} and {b} agree on it, so there is nothing to reduce; name the two that differ", capture.display())]
     NothingToReduce {
@@ -228,6 +238,7 @@ impl CommandError {
             | Self::Check { .. }
             | Self::Parted { .. }
             | Self::Replay { .. }
+            | Self::Scribbled { .. }
             | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }

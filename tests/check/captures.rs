@@ -284,3 +284,17 @@ fn broken_captures_are_refused() {
     let error = replay(&changed, &stages::all(), &scalar(), 1).expect_err("no such port");
     assert!(matches!(error, CaptureError::Changed { .. }), "{error}");
 }
+
+/// A stage that writes over what it only reads shows it alone as well; one that does not, on any backend, does not.
+#[test]
+fn a_replay_tells_what_a_stage_scribbled_over() {
+    let scribble: Damage = |bytes| bytes[0] ^= 1;
+    let capture = captured("Compose", "points");
+    for backend in all_backends() {
+        let sound = replay(&capture, &stages::all(), backend.as_ref(), 1).expect("it runs");
+        assert!(sound.scribbled.is_empty(), "{:?}", sound.scribbled);
+    }
+    let other = sabotaged("Compose", "points", 0, scribble);
+    let found = replay(&capture, &stages::all(), &other, 1).expect("it runs");
+    assert_eq!(found.scribbled, ["gbuffer_points"]);
+}

@@ -3,13 +3,15 @@ use super::compare::Comparison;
 use super::condition::{Condition, undecided_cap};
 use super::contents::Contents;
 use super::isolate::isolate;
+use super::leaves::leaves;
 use super::lockstep::{Written, written};
 use super::report::{PairReport, PortReport, StepReport, Verdict};
 use super::run::CheckOptions;
 use super::untouched::{UNTOUCHED, only_read};
 use super::{Difference, Participant};
 use crate::{
-    Access, Action, Backend, BackendError, Comparator, Order, Ports, ResourceId, Schedule, Step,
+    Access, Action, Backend, BackendError, Comparator, Order, Ports, ResourceId, Scalar, Schedule,
+    Step,
 };
 use std::ops::Range;
 
@@ -148,6 +150,10 @@ pub(crate) fn steps(
                     port: port.into(),
                     resource: schedule.resources[resource as usize].key.clone(),
                     comparator,
+                    only_read: comparator == UNTOUCHED,
+                    integers: leaves(&schedule.resources[resource as usize].element)
+                        .iter()
+                        .all(|leaf| leaf.scalar != Scalar::F32),
                     pairs: pairs(participants, options),
                 })
                 .collect(),

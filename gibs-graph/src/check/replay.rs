@@ -17,6 +17,8 @@ pub struct Replayed {
     pub times: Vec<Duration>,
     /// Whether every run gave the bits of the first.
     pub repeatable: bool,
+    /// Buffers that the step only reads and that did not hold the same bytes after it, by their keys.
+    pub scribbled: Vec<String>,
 }
 
 /// Runs a capture's step on a backend, `runs` times from the same inputs.
@@ -37,12 +39,14 @@ pub fn replay(
             outputs: Vec::new(),
             times: Vec::new(),
             repeatable: true,
+            scribbled: Vec::new(),
         };
         for n in 0..runs.max(1) {
             let (outputs, time) = once(exec.as_mut(), capture)?;
             replayed.times.push(time);
             if n == 0 {
                 replayed.outputs = outputs;
+                replayed.scribbled = scribbled(exec.as_mut(), capture)?;
             } else {
                 replayed.repeatable &= outputs == replayed.outputs;
             }
@@ -77,6 +81,24 @@ fn once(
         outputs.collect::<Result<_, _>>()?,
         measured.unwrap_or(elapsed),
     ))
+}
+
+/// What a run has changed of what the step only reads. Images come back as their format rounds them, and are left out.
+fn scribbled(exec: &mut dyn Executable, capture: &Capture) -> Result<Vec<String>, BackendError> {
+    let written = capture.written();
+    let schedule = exec.schedule().clone();
+    let mut found = Vec::new();
+    for (id, buffer) in (0..).zip(&capture.buffers) {
+        let resource = &schedule.resources[id as usize];
+        let is_there = resource.usage.uniform || resource.usage.storage;
+        if written.contains(&id) || resource.image.is_some() || !is_there {
+            continue;
+        }
+        if exec.read(id)? != buffer.bytes {
+            found.push(buffer.key.clone());
+        }
+    }
+    Ok(found)
 }
 
 /// Holds what was made against another result of the same capture, port by port, as the ports' comparators say.

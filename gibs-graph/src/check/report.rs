@@ -58,6 +58,10 @@ pub struct PortReport {
     pub resource: String,
     /// How it was compared.
     pub comparator: Comparator,
+    /// The step only reads it, and has to leave it as it is.
+    pub only_read: bool,
+    /// It holds no floats, so that the comparator's tolerance means nothing.
+    pub integers: bool,
     /// Every pair of participants.
     pub pairs: Vec<PairReport>,
 }

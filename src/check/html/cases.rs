@@ -1,6 +1,6 @@
 //! Every comparison of a case.
 use super::badge;
-use crate::check::table::short;
+use crate::check::table::said;
 use crate::html::escaped;
 use gibs_graph::check::{CaseReport, PairReport, PortReport, StepReport, Verdict};
 use std::fmt::Write;
@@ -49,7 +49,7 @@ pub(super) fn table(page: &mut String, case: &CaseReport) {
 fn equal_row(page: &mut String, step: &StepReport) {
     let ports: Vec<_> = step.ports.iter().map(|port| escaped(&port.port)).collect();
     let held = step.ports.iter().map(|port| {
-        let comparator = escaped(&short(&port.comparator));
+        let comparator = escaped(&said(port));
         format!("<code>{}</code>: {comparator}", escaped(&port.port))
     });
     let held: Vec<_> = held.collect();
@@ -89,7 +89,7 @@ fn row(page: &mut String, step: &StepReport, port: &PortReport, pair: &PairRepor
         pair.undecided,
         pair.refused,
         escaped(&worst),
-        escaped(&short(&port.comparator)),
+        escaped(&said(port)),
         escaped(port.comparator.reason)
     );
 }

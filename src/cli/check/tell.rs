@@ -65,6 +65,12 @@ pub fn tell(summary: &Summary<'_>) -> Result<(), CommandError> {
         report.elements(),
         report.cases.len()
     );
+    if report.skipped() > 0 {
+        say!(
+            "{} elements of lists that did not fit were not compared, since which are there is chance",
+            report.skipped()
+        );
+    }
     say!("{}", printable(&summary.headline()));
     Ok(())
 }

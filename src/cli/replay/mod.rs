@@ -60,7 +60,7 @@ enum Verdict {
 #[derive(Serialize)]
 struct Summary {
     verdict: Verdict,
-    /// Nothing differs, and something was compared.
+    /// Nothing differs, something was compared, and what is only read was left as it was.
     passed: bool,
     case: String,
     frame: u32,
@@ -73,6 +73,8 @@ struct Summary {
     fastest_us: f64,
     /// Every run gave the bits of the first.
     repeatable: bool,
+    /// Buffers that it only reads and changed.
+    scribbled: Vec<String>,
     /// Port by port against each result that the capture has.
     against: Vec<Against>,
     reduced: Option<Shrunk>,
@@ -125,7 +127,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let verdict = judged(oracle, &against);
     let summary = Summary {
         verdict,
-        passed: matches!(verdict, Verdict::Equal | Verdict::Within),
+        passed: matches!(verdict, Verdict::Equal | Verdict::Within)
+            && replayed.scribbled.is_empty(),
         case: capture.case.clone(),
         frame: capture.frame,
         step: capture.label.clone(),
@@ -136,6 +139,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         median_us: micros(times.get(times.len() / 2)),
         fastest_us: micros(times.first()),
         repeatable: replayed.repeatable,
+        scribbled: replayed.scribbled,
         against,
         reduced,
     };
@@ -145,6 +149,13 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             serde_json::to_string_pretty(&summary).unwrap_or_default()
         ),
         false => tell(&summary, oracle)?,
+    }
+    if !summary.scribbled.is_empty() {
+        return Err(CommandError::Scribbled {
+            stage: summary.stage,
+            backend: summary.backend,
+            buffers: summary.scribbled,
+        });
     }
     match (verdict, oracle) {
         (Verdict::Equal | Verdict::Within, _) => Ok(()),
