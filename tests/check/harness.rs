@@ -3,8 +3,8 @@ use crate::common::cpu;
 use crate::sabotage::{Damage, How, Sabotaged};
 use gibs::builtin;
 use gibs::check::{
-    Case, CheckError, CheckOptions, Checked, Expectation, Expectations, Gap, Participant, Plan,
-    Report, Verdict, check, surfels,
+    Capture, Case, CheckError, CheckOptions, Checked, Expectation, Expectations, Gap, Participant,
+    Plan, Report, Verdict, check, surfels,
 };
 use gibs::graph::{Backend, Comparator};
 use gibs::passes::frame::Settings;
@@ -84,6 +84,10 @@ fn fails_at(stage: &'static str, port: &'static str, how: How) {
         panic!("{} captures", checked.captures.len());
     };
     assert_eq!((capture.stage.as_str(), capture.frame), (stage, 1));
+    let name = format!("check-harness-{stage}-{port}.npz");
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    capture.write(&file).expect("written");
+    assert_eq!(Capture::read(&file).expect("read"), *capture);
 }
 
 #[test]

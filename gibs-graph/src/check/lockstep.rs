@@ -222,10 +222,10 @@ impl<'a> Lockstep<'a> {
             }
             self.judge(&name, frame, i, &outputs, &mut captures.differing)
                 .map_err(|source| failed(self.participants[0].name, &step.label, source))?;
+            self.look_after(&name, frame, i, &outputs, &mut captures.differing)
+                .map_err(|(backend, source)| failed(backend, &step.label, source))?;
             self.settle(step, outputs)
                 .map_err(|source| failed("all", &step.label, source))?;
-            self.look_after(&name, frame, i, &mut captures.differing)
-                .map_err(|(backend, source)| failed(backend, &step.label, source))?;
         }
         self.report.frames += 1;
         self.next = frame + 1;
@@ -249,16 +249,18 @@ impl<'a> Lockstep<'a> {
             .collect()
     }
 
-    /// Sees whether the participants have left alike what the step only reads.
+    /// Sees whether the participants have left alike what the step only reads, while `contents` are still those before it.
     fn look_after(
         &mut self,
         case: &str,
         frame: u32,
         index: usize,
+        outputs: &[Vec<Vec<u8>>],
         captures: &mut Vec<Capture>,
     ) -> Result<(), (&'a str, BackendError)> {
         let schedule = self.schedule.clone();
         let mut differs = None;
+        let mut found_there = Vec::new();
         for read in only_read(&schedule, index) {
             let lanes = self.read(read.resource)?;
             let resource = &schedule.resources[read.resource as usize];
@@ -285,11 +287,14 @@ impl<'a> Lockstep<'a> {
                     differs.get_or_insert((a, b));
                 }
             }
-            self.settle_one(read.resource, lanes)
-                .map_err(|source| ("all", source))?;
+            found_there.push((read.resource, lanes));
         }
         if let Some((a, b)) = differs {
-            self.keep_capture(case, frame, index, &[], [a, b], captures);
+            self.keep_capture(case, frame, index, outputs, [a, b], captures);
+        }
+        for (resource, lanes) in found_there {
+            self.settle_one(resource, lanes)
+                .map_err(|source| ("all", source))?;
         }
         Ok(())
     }

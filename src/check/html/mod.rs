@@ -114,9 +114,10 @@ fn counts(page: &mut String, summary: &Summary<'_>) {
     }
     let _ = write!(
         page,
-        "of {} comparisons, {} elements</p>",
+        "of {} comparisons, {} elements, and {} of lists that did not fit, which were not compared</p>",
         report.pairs().count(),
-        report.elements()
+        report.elements(),
+        report.skipped()
     );
 }
 
