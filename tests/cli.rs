@@ -383,7 +383,7 @@ fn environments_that_cannot_be_read_are_refused() {
     refused(&["guiding", &text], &["sky.txt", ".hdr"]);
     refused(
         &["guiding", "sun", "--backend", "cpu", "--report", &text],
-        &["sky.txt", "cannot be written"],
+        &["sky.txt", "is not a folder"],
     );
     refused(&["guiding"], &["ENV"]);
 }

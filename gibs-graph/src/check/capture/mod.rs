@@ -145,8 +145,14 @@ impl Capture {
             .collect()
     }
 
-    /// Adds what a participant made, in the order of [`Capture::written`].
+    /// Adds what a participant made, in the order of [`Capture::written`]; nothing, where some of it is missing.
     pub fn add_results(&mut self, participant: Participant<'_>, outputs: Vec<Vec<u8>>) {
+        let written = self.written();
+        let mut made = written.iter().zip(&outputs);
+        let whole = made.all(|(&id, bytes)| bytes.len() == self.buffers[id as usize].bytes.len());
+        if !whole || written.len() != outputs.len() {
+            return;
+        }
         let device = participant.backend.device();
         self.results.push(Origin {
             lane: participant.name.into(),
