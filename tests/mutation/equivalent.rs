@@ -159,13 +159,13 @@ const EQUIVALENT: [Equivalent; 34] = [
     },
     Equivalent {
         kernels: &["*"],
-        what: "main: index 0 to 1",
+        what: "main: element 0 to 1",
         line: "counters[0]",
         reason: "there is one element, and what is beyond the end is the last one",
     },
     Equivalent {
         kernels: &["*"],
-        what: "main: index 0 to 1",
+        what: "main: element 0 to 1",
         line: "total[0]",
         reason: "there is one element, and what is beyond the end is the last one",
     },

@@ -1,8 +1,14 @@
 //! What an expression may become.
-use naga::{BinaryOperator, Expression, Function, Literal, MathFunction, UnaryOperator};
+use naga::{
+    BinaryOperator, Expression, Function, Literal, MathFunction, Module, TypeInner, UnaryOperator,
+};
 
 /// What an expression may become, with a description.
-pub fn alternatives(function: &Function, expression: &Expression) -> Vec<(String, Expression)> {
+pub fn alternatives(
+    module: &Module,
+    function: &Function,
+    expression: &Expression,
+) -> Vec<(String, Expression)> {
     use BinaryOperator as B;
     use MathFunction as M;
     let binary = |op, left, right| Expression::Binary { op, left, right };
@@ -96,14 +102,22 @@ pub fn alternatives(function: &Function, expression: &Expression) -> Vec<(String
             };
             vec![("the other choice".into(), swapped)]
         }
-        // The field or component beside it; of another type, it is no valid kernel.
+        // The element, field or component beside it; of another type, it is no valid kernel.
         Expression::AccessIndex { base, index } => {
             let beside = if index == 0 { 1 } else { index - 1 };
             let new = Expression::AccessIndex {
                 base,
                 index: beside,
             };
-            vec![(format!("index {index} to {beside}"), new)]
+            let of_buffer = match function.expressions[base] {
+                Expression::GlobalVariable(global) => {
+                    let ty = module.global_variables[global].ty;
+                    matches!(module.types[ty].inner, TypeInner::Array { .. })
+                }
+                _ => false,
+            };
+            let what = if of_buffer { "element" } else { "index" };
+            vec![(format!("{what} {index} to {beside}"), new)]
         }
         _ => Vec::new(),
     }

@@ -177,7 +177,7 @@ impl Kernel {
                     continue;
                 }
                 let line = self.line(function.expressions.get_span(handle));
-                for (what, new) in alternatives(function, expression) {
+                for (what, new) in alternatives(&self.module, function, expression) {
                     let change = Change::Expression(place, handle, new);
                     changes.push(Described {
                         what: format!("{name}: {what}: {line}"),
