@@ -81,6 +81,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     let backends = args.backend.iter().map(|&choice| backends::open(choice));
     let backends = backends.collect::<Result<Vec<_>, _>>()?;
+    if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
+        for backend in &backends {
+            before(path, old, backend.name())?;
+        }
+    }
     let loaded = args.scene.load()?;
     let options = Options {
         size: loaded.size,
@@ -108,7 +113,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             say!("{}", table(&profile, args.steps));
             say!("{}", told(&needs, args.why));
             if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
-                let before = before(path, old, &profile)?;
+                let before = before(path, old, &profile.backend)?;
                 let comparison = compare(&profile, before);
                 say!(
                     "against {}\n{}",
@@ -186,14 +191,14 @@ fn told(needs: &[Saving], why: bool) -> String {
 }
 
 /// The older profile of the same backend; where the file has only one, that one.
-fn before<'a>(path: &Path, old: &'a [Profile], now: &Profile) -> Result<&'a Profile, ProfileError> {
-    let same = old.iter().find(|old| old.backend == now.backend);
+fn before<'a>(path: &Path, old: &'a [Profile], backend: &str) -> Result<&'a Profile, ProfileError> {
+    let same = old.iter().find(|old| old.backend == backend);
     match (same, old) {
         (Some(same), _) => Ok(same),
         (None, [only]) => Ok(only),
         _ => Err(ProfileError::Backend {
             path: path.to_owned(),
-            backend: now.backend.clone(),
+            backend: backend.into(),
             found: old.iter().map(|old| old.backend.clone()).collect(),
         }),
     }

@@ -18,7 +18,7 @@ pub(super) fn fold<T: PartialEq>(names: impl Iterator<Item = T>) -> Vec<(T, Vec<
 
 /// The group of a step: what its label has before the slash. A clear belongs to the stage that it comes right before.
 pub(super) fn group_of(schedule: &Schedule, step: usize) -> String {
-    let mut from_here = schedule.steps[step..].iter();
+    let mut from_here = schedule.steps.iter().skip(step);
     let stage = from_here.find(|step| matches!(step.action, Action::Dispatch(_)));
     let group = stage.and_then(|step| step.label.split_once('/'));
     group.map_or(OTHERS, |(group, _)| group).to_owned()

@@ -99,7 +99,9 @@ pub fn measure(
                 let times = renderer.executable().timings()?.unwrap_or_default();
                 let mut steps = vec![None; schedule.steps.len()];
                 for time in &times {
-                    steps[time.step] = Some(time.time.as_secs_f64() * 1e3);
+                    if let Some(step) = steps.get_mut(time.step) {
+                        *step = Some(time.time.as_secs_f64() * 1e3);
+                    }
                 }
                 push(&mut samples.timed, wall.as_secs_f64() * 1e3);
                 push(&mut samples.steps, steps);

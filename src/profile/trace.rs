@@ -55,7 +55,7 @@ pub fn chrome_trace(backends: &[(&str, &Schedule, &[TimedFrame])]) -> String {
                 }
             }
             for step in &frame.steps {
-                let label = &schedule.steps[step.step].label;
+                let label = schedule.steps.get(step.step).map_or("?", |s| &s.label);
                 events.push(slice(STEPS, label, frame.start + step.start, step.time));
             }
         }

@@ -1,67 +1,7 @@
-//! `gibs bench` as its users see it, on the CPU, so that it needs no device.
-#![cfg(feature = "cpu")]
-
+//! `gibs bench`.
+use crate::program::*;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-/// A folder of one test's own, gone when the test is over.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gibs-bench-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn read(&self, name: &str) -> String {
-        let path = self.0.join(name);
-        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn gibs(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gibs"))
-        .args(args)
-        .output()
-        .unwrap()
-}
-
-fn succeed(args: &[&str]) -> String {
-    let output = gibs(args);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{args:?}: {message}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn json(args: &[&str]) -> Value {
-    let text = succeed(args);
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{args:?}: {error} in {text}"))
-}
-
-/// A run that must be refused as bad usage or bad input, with every one of `parts` in its message.
-fn refused(args: &[&str], parts: &[&str]) {
-    let output = gibs(args);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-    for part in parts {
-        assert!(
-            message.contains(part),
-            "{args:?}: `{part}` is not in: {message}"
-        );
-    }
-}
+use std::process::Command;
 
 /// A small measurement of the Cornell box.
 const FEW: [&str; 16] = [
@@ -184,7 +124,7 @@ fn elements_are_measured_beside_path_tracing() {
         assert!(each["reached"].is_boolean(), "{each}");
     }
 
-    let files = Folder(PathBuf::from(&report));
+    let files = Folder::at(&report);
     assert!(
         files
             .read("cornell-cpu-frames.svg")
@@ -251,7 +191,7 @@ fn figures_are_those_of_compare() {
     ];
     let all = json(&[&FEW[..], &more].concat());
     let rows = rows(&all["measured"][0]);
-    let folder = Path::new(&report);
+    let folder = std::path::Path::new(&report);
     for (file, name) in [
         ("cornell-cpu-as-set-3.exr", "as set"),
         (

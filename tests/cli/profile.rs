@@ -1,0 +1,90 @@
+//! `gibs profile`: prints, compares with what it printed, writes a trace, refuses what is no profile.
+use crate::program::*;
+use serde_json::Value;
+
+/// A small profile of the Cornell box on the CPU.
+fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let args = [
+        "profile",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "32x24",
+        "--frames",
+        "2",
+        "--warm-up",
+        "1",
+    ];
+    [&args, more].concat()
+}
+
+#[test]
+fn profiles_are_printed_compared_and_traced() {
+    let folder = Folder::new("profile");
+    let printed = succeed(&small(&["--json", "--why", "--runs", "2"]));
+    let mut profiles: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(profiles[0]["backend"], "cpu");
+    assert_eq!(profiles[0]["size"], serde_json::json!([32, 24]));
+    let needs = profiles[0]["needs"].as_array().unwrap();
+    let guiding = needs.iter().find(|need| need["name"] == "ray guiding");
+    assert!(guiding.unwrap()["time"]["ms"].is_f64(), "{guiding:?}");
+
+    let (old, trace) = (
+        folder.write("old.json", &printed),
+        folder.path("trace.json"),
+    );
+    let told = succeed(&small(&["--against", &old, "--trace", &trace]));
+    for part in [
+        "left out: direct light",
+        "against ",
+        "not alike: runs",
+        "95 % interval",
+        "apply/compose",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!told.contains("not alike: setting"), "{told}");
+    let trace: Value = serde_json::from_str(&folder.read("trace.json")).unwrap();
+    let events = trace["traceEvents"].as_array().unwrap();
+    let frames = events.iter().filter(|e| e["tid"] == 1 && e["ph"] == "X");
+    assert_eq!(frames.count(), 2);
+
+    // Of two other backends, neither is what the CPU is to be held against.
+    for (name, at) in [("wgpu", 0), ("vulkan", 1)] {
+        let mut other = profiles[0].clone();
+        other["backend"] = name.into();
+        match at {
+            0 => profiles[0] = other,
+            _ => profiles.as_array_mut().unwrap().push(other),
+        }
+    }
+    let others = folder.write("others.json", &profiles.to_string());
+    refused(
+        &small(&["--against", &others]),
+        &["others.json", "cpu", "wgpu, vulkan"],
+    );
+}
+
+#[test]
+fn what_is_no_profile_is_refused_before_anything_is_measured() {
+    let folder = Folder::new("no-profile");
+    let wrong = folder.write("wrong.json", "{\"gibs_profile\": 1}");
+    refused(
+        &small(&["--against", &wrong]),
+        &["wrong.json", "gibs profile"],
+    );
+    let absent = folder.path("absent.json");
+    refused(
+        &small(&["--against", &absent]),
+        &["absent.json", "gibs profile"],
+    );
+    let nowhere = folder.path("no/such/folder/trace.json");
+    refused(
+        &small(&["--trace", &nowhere]),
+        &["trace.json", "does not exist"],
+    );
+    for wrong in [["--frames", "0"], ["--runs", "0"], ["--backend", "gpu"]] {
+        refused(&small(&wrong), &[wrong[0]]);
+    }
+}

@@ -1,0 +1,198 @@
+//! `gibs stress` and `gibs roam`.
+use crate::program::*;
+use serde_json::Value;
+
+#[test]
+fn a_stress_test_reports_when_light_has_converged() {
+    let folder = Folder::new("stress");
+    let report = folder.path("out");
+    let runs = json(&[
+        "stress",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "64x64",
+        "--frames",
+        "12",
+        "--rays",
+        "500,2000",
+        "--converged",
+        "20",
+        "--set",
+        "surfels=512",
+        "--report",
+        &report,
+        "--json",
+    ]);
+    for (run, budget) in runs.as_array().unwrap().iter().zip([500, 2000]) {
+        assert_eq!(run["budget"], budget);
+        assert_eq!(run["totals"]["slot_errors"], 0);
+        let rows = run["rows"].as_array().unwrap();
+        assert_eq!(rows.len(), 12);
+        let error = |row: &Value| row["error"].as_f64().unwrap();
+        // Against the last frame, which thus has none.
+        assert!(error(&rows[0]) > error(&rows[10]) && rows[11]["error"].is_null());
+        assert!(rows[1..].iter().all(|row| row["rays"] == budget));
+        let frames = run["converged"]["frames"].as_u64().unwrap() as usize;
+        assert!(rows[frames - 1..11].iter().all(|row| error(row) < 0.2));
+        assert!(frames == 1 || error(&rows[frames - 2]) >= 0.2);
+        let groups: Vec<_> = run["groups"].as_array().unwrap().iter().collect();
+        for group in [
+            "gbuffer",
+            "persistent",
+            "spawn",
+            "filtering",
+            "apply",
+            "check",
+        ] {
+            assert!(groups.iter().any(|g| *g == group), "{group} in {groups:?}");
+        }
+    }
+    let names = Folder::at(&folder.path("out")).names();
+    assert_eq!(
+        names,
+        ["cost-2000.svg", "cost-500.svg", "error.svg", "stress.csv"]
+    );
+}
+
+#[test]
+fn a_truth_of_another_size_is_refused_by_a_stress_test() {
+    let folder = Folder::new("stress-truth");
+    let truth = folder.path("truth.exr");
+    succeed(&[
+        "reference",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "32x32",
+        "--spp",
+        "4",
+        "--out",
+        &truth,
+    ]);
+    let stress = |size: &'static str| {
+        vec![
+            "stress",
+            "cornell",
+            "--backend",
+            "cpu",
+            "--size",
+            size,
+            "--frames",
+            "2",
+            "--truth",
+            &truth,
+        ]
+    };
+    // Three times as large: the centres of the truth's pixels.
+    let text = succeed(&stress("96x96"));
+    assert!(text.contains("not converged after 2 frames"), "{text}");
+    refused(&stress("64x64"), &["truth.exr", "2 times as large"]);
+    refused(&stress("40x32"), &["truth.exr", "40x32"]);
+}
+
+#[test]
+fn a_flight_reports_surfels_slots_and_holes() {
+    let folder = Folder::new("roam");
+    let report = folder.path("out");
+    let path = folder.write(
+        "path.json",
+        r#"{"keys": [{"frame": 0, "position": [2.78, 2.73, -8], "target": [2.78, 2.73, 0]},
+                     {"frame": 19, "position": [2.78, 2.73, -3], "target": [2.0, 2.0, 2]}]}"#,
+    );
+    let args = [
+        "roam",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "64x64",
+        "--frames",
+        "20",
+        "--rays",
+        "500",
+        "--path",
+        &path,
+        "--set",
+        "surfels=512",
+    ];
+    let flight = json(
+        &[
+            &args[..],
+            &["--report", &report, "--pictures", "10", "--json"],
+        ]
+        .concat(),
+    );
+    let rows = flight["rows"].as_array().unwrap();
+    assert_eq!(
+        (rows.len(), &flight["totals"]["slot_errors"]),
+        (20, &0.into())
+    );
+    let settled = rows[19]["settled"].as_u64().unwrap();
+    assert!(
+        settled * 10 > rows[19]["surfaces"].as_u64().unwrap() * 9,
+        "{}",
+        rows[19]
+    );
+    assert_eq!(rows[5]["settled"], 0);
+    let names = Folder::at(&folder.path("out")).names();
+    assert_eq!(
+        names,
+        [
+            "cost.svg",
+            "frame-00000.png",
+            "frame-00010.png",
+            "holes.svg",
+            "roam.csv",
+            "surfels.svg"
+        ]
+    );
+    let text = succeed(&args);
+    assert!(
+        text.contains("0 slot errors") && text.contains("in view for 8 frames"),
+        "{text}"
+    );
+    let broken = folder.write(
+        "broken.json",
+        r#"{"keys": [{"frame": -3, "position": [0, 0, 0], "target": [0, 0, 1]}]}"#,
+    );
+    refused(
+        &["roam", "cornell", "--backend", "cpu", "--path", &broken],
+        &["broken.json", "keys[0].frame", "-3"],
+    );
+}
+
+#[test]
+fn what_runs_out_is_warned_of_with_the_setting_to_raise() {
+    let folder = Folder::new("shortage");
+    let out = folder.path("a.png");
+    let output = gibs(&[
+        "render",
+        "cornell",
+        "--backend",
+        "cpu",
+        "--size",
+        "64x64",
+        "--frames",
+        "4",
+        "--rays",
+        "100",
+        "--set",
+        "surfels=32",
+        "--set",
+        "grid_lists=1",
+        "--out",
+        &out,
+        "--json",
+    ]);
+    let message = stderr(&output);
+    assert!(output.status.success(), "{message}");
+    for part in [
+        "no free surfel; raise `surfels`",
+        "did not fit the grid; raise `grid_lists`",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+}
