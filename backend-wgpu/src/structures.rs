@@ -88,19 +88,14 @@ impl Structures {
     pub fn write(&mut self, resource: ResourceId, offset: u64, bytes: &[u8]) -> bool {
         let mut taken = false;
         for Structure { source, .. } in &mut self.0 {
-            if source.resource == resource {
-                source.write(offset, bytes);
-                taken = true;
-            }
-            source.stale |= source.triangles == resource;
+            taken |= source.uploaded(resource, offset, bytes);
         }
         taken
     }
 
     /// Whether structures are built from the memory of a resource.
     pub fn uses(&self, resource: ResourceId) -> bool {
-        let mut sources = self.0.iter().map(|structure| &structure.source);
-        sources.any(|s| s.triangles == resource || s.resource == resource)
+        self.0.iter().any(|s| s.source.is_of(resource))
     }
 
     /// Makes the bottom levels of what has to be built anew, and fills the top levels in. What cannot be built fails

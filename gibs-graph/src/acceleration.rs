@@ -90,8 +90,23 @@ impl AccelerationSource {
         self.stale = true;
     }
 
-    /// Replaces bytes of the instances from `offset` on, which are within them.
-    pub fn write(&mut self, offset: u64, bytes: &[u8]) {
+    /// Takes notice of bytes that are uploaded to a resource from `offset` on, which are within it: keeps those of instances,
+    /// and says whether they are.
+    pub fn uploaded(&mut self, resource: ResourceId, offset: u64, bytes: &[u8]) -> bool {
+        let is_own = resource == self.resource;
+        if is_own {
+            self.write(offset, bytes);
+        }
+        self.stale |= resource == self.triangles;
+        is_own
+    }
+
+    /// Whether the structure is built from a resource.
+    pub fn is_of(&self, resource: ResourceId) -> bool {
+        resource == self.resource || resource == self.triangles
+    }
+
+    fn write(&mut self, offset: u64, bytes: &[u8]) {
         let held: &mut [u8] = bytemuck::cast_slice_mut(&mut self.instances);
         let start = offset as usize;
         if let Some(place) = held.get_mut(start..start.saturating_add(bytes.len())) {

@@ -64,7 +64,7 @@ fn a_structure_brings_its_triangles_into_the_schedule() {
 fn instances_of_the_same_triangles_share_a_bottom_level() {
     let (_, mut source) = source();
     let given = [instance(4, 6), instance(0, 0), instance(4, 6)];
-    source.write(0, bytemuck::cast_slice(&given));
+    source.uploaded(source.resource, 0, bytemuck::cast_slice(&given));
     let plan = source.plan().unwrap();
     let bottom = BottomLevel {
         first: 4,
@@ -90,7 +90,7 @@ fn what_cannot_be_built_is_refused() {
         (wide, "24 bits"),
         (endless, "not finite"),
     ] {
-        source.write(64, bytemuck::bytes_of(&given));
+        source.uploaded(source.resource, 64, bytemuck::bytes_of(&given));
         let error = source.plan().unwrap_err().to_string();
         assert!(
             error.contains("instance 1") && error.contains(says),
