@@ -131,8 +131,13 @@ impl CpuExecutable {
             .map(|binding| {
                 let resource = &self.schedule.resources[binding.resource as usize];
                 let memory = self.allocations[resource.home as usize].current.bytes();
-                (binding.access.writes() && binding.access != Access::Atomic)
-                    .then(|| WriteMap::new(memory.as_ptr().addr(), resource.bytes as usize))
+                (binding.access.writes() && binding.access != Access::Atomic).then(|| {
+                    WriteMap::new(
+                        memory.as_ptr().addr(),
+                        resource.bytes as usize,
+                        binding.access != Access::ReadWrite,
+                    )
+                })
             })
             .collect()
     }

@@ -22,7 +22,8 @@ pub struct Options {
     pub threads: Option<usize>,
     /// Run the scalar kernels even where a wide one exists.
     pub scalar: bool,
-    /// Check that no two workgroups write one element, and run workgroups in a shuffled order.
+    /// Check that no two workgroups write one element, nor one workgroup an element of what a stage only writes twice, and run
+    /// workgroups in a shuffled order.
     pub checked: bool,
 }
 

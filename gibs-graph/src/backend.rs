@@ -219,8 +219,10 @@ pub enum BackendError {
         /// What to do.
         remedy: String,
     },
-    /// Two workgroups wrote one element; found in the CPU backend's checking mode.
-    #[error("stage `{stage}`, port `{port}`: two workgroups wrote the bytes at {offset}")]
+    /// Two workgroups wrote one element, or two invocations of one; found in the CPU backend's checking mode.
+    #[error(
+        "stage `{stage}`, port `{port}`: the bytes at {offset} were written twice, by two workgroups or by two invocations of one; let one invocation write each element, once"
+    )]
     WriteConflict {
         /// Stage.
         stage: String,

@@ -3,8 +3,8 @@
 //! # The rule
 //! Workgroups of a stage run at the same time. Two workgroups never touch the same element of a [`WriteView`] unless
 //! both only read it: a kernel that breaks this is a data race, undefined behaviour that no compiler sees, as two
-//! invocations that write one element are on a device. The executor's debug mode finds elements that two workgroups write with a [`WriteMap`]; one that
-//! reads what another one writes shows as a result that depends on the order. [`AtomicView`] is free of the rule.
+//! invocations that write one element are on a device. The executor's debug mode finds both with a [`WriteMap`]: elements that two
+//! workgroups write, and elements of what a stage only writes that are written twice by one. One that reads what another one writes shows as a result that depends on the order. [`AtomicView`] is free of the rule.
 //! A resource is bound at most once per stage when any port writes it (graph compilation checks this), so views of
 //! one stage never overlap.
 use crate::{Access, Element};
@@ -286,7 +286,8 @@ impl<'a> AtomicView<'a> {
     }
 }
 
-/// Who wrote what during one stage: finds elements that two workgroups write.
+/// Who wrote what during one stage: finds elements that two workgroups write, or, where a stage only writes, one of them twice:
+/// an invocation writes its element once, so that there are two who did.
 #[derive(Debug)]
 pub struct WriteMap {
     base: usize,
@@ -294,12 +295,15 @@ pub struct WriteMap {
     owner: Vec<AtomicU32>,
     /// First conflict, as word index + 1.
     conflict: AtomicU32,
+    /// A workgroup writes no element twice, either.
+    once: bool,
 }
 
 impl WriteMap {
-    /// A map of `bytes` bytes at address `base`.
-    pub fn new(base: usize, bytes: usize) -> Self {
+    /// A map of `bytes` bytes at address `base`; with `once`, of what no workgroup may write twice.
+    pub fn new(base: usize, bytes: usize, once: bool) -> Self {
         Self {
+            once,
             base,
             owner: (0..bytes.div_ceil(4)).map(|_| AtomicU32::new(0)).collect(),
             conflict: AtomicU32::new(0),
@@ -310,13 +314,13 @@ impl WriteMap {
         let first = (ptr - self.base + index * size) / 4;
         for word in first..first + size.div_ceil(4) {
             let before = self.owner[word].swap(group + 1, Ordering::Relaxed);
-            if before != 0 && before != group + 1 {
+            if before != 0 && (before != group + 1 || self.once) {
                 self.conflict.store(word as u32 + 1, Ordering::Relaxed);
             }
         }
     }
 
-    /// Byte offset of an element that two workgroups wrote, if there is one.
+    /// Byte offset of an element that was written twice, if there is one.
     pub fn conflict(&self) -> Option<usize> {
         match self.conflict.load(Ordering::Relaxed) {
             0 => None,

@@ -106,6 +106,24 @@ stages! {
         }
     }
 
+    /// Every lane writes the first element of its workgroup.
+    repeat Repeat { read source: u32, write target: u32 } wide(None)
+    fn kernel(p: &Views<'_>, group: Workgroup) {
+        let range = group.range(p.source.len() as u32);
+        for i in range.clone() {
+            p.target.set(range.start, p.source[i]);
+        }
+    }
+
+    /// The same, and reads it.
+    add_up AddUp { read source: u32, read_write target: u32 } wide(None)
+    fn kernel(p: &Views<'_>, group: Workgroup) {
+        let range = group.range(p.source.len() as u32);
+        for i in range.clone() {
+            p.target.update(range.start, |sum| *sum += p.source[i]);
+        }
+    }
+
     /// Says which kernel ran: 1 for the scalar one, 2 for the wide one.
     twins Twins { read source: u32, host_only extra: u32, write target: u32 } wide(Some(super::wide_twin))
     fn kernel(p: &Views<'_>, group: Workgroup) {
