@@ -136,7 +136,10 @@ fn what_is_left_out_can_be_measured() {
         let needs = gi.needs().unwrap();
         assert_eq!(known.len(), needs.len());
         for (saving, need) in known.iter().zip(&needs) {
-            assert_eq!((saving.name, saving.bytes), (need.name, need.bytes));
+            assert_eq!(
+                (saving.need.name, saving.need.bytes),
+                (need.name, need.bytes)
+            );
             assert_eq!(saving.time, None);
         }
         let mut last = (0, 1);
@@ -144,11 +147,20 @@ fn what_is_left_out_can_be_measured() {
         let measured = savings(&gi, &view, on, |done, of| last = (done, of)).unwrap();
         assert_eq!(last.0, last.1);
         for saving in &measured {
-            assert_eq!(saving.time.is_some(), !saving.present, "{}", saving.name);
+            assert_eq!(
+                saving.time.is_some(),
+                !saving.need.present,
+                "{}",
+                saving.need.name
+            );
             let ratio = saving.time.map_or(1.0, |time| time.ratio.ratio);
-            assert!(ratio.is_finite() && ratio > 0.0, "{}", saving.name);
+            assert!(ratio.is_finite() && ratio > 0.0, "{}", saving.need.name);
         }
-        let left_out = |name: &str| measured.iter().any(|s| s.name == name && !s.present);
+        let left_out = |name: &str| {
+            measured
+                .iter()
+                .any(|s| s.need.name == name && !s.need.present)
+        };
         for name in ["direct light", "sky", "textures", "cut-outs", "ray guiding"] {
             assert!(left_out(name), "the box has no {name}");
         }

@@ -11,20 +11,20 @@ enable wgpu_ray_query;
 /// `RAY_FLAG_TERMINATE_ON_FIRST_HIT` of WGSL's ray queries.
 const TRACE_QUERY_FIRST: u32 = 4u;
 
-/// The hit with a triangle that the device found: `custom` is the instance's leaf in the top level, `primitive` the
+/// The hit with a triangle that the device found: the custom index is the instance's leaf in the top level, the primitive the
 /// triangle in its bottom level. Where the formulas refuse the triangle, which is within rounding of its edges, what the
 /// device says counts.
-fn trace_query_hit(ray: Ray, inverse: vec3<f32>, custom: u32, primitive: u32, t: f32, weights: vec2<f32>) -> Hit {
-    let leaf = nodes[custom];
+fn trace_query_hit(ray: Ray, inverse: vec3<f32>, found: RayIntersection) -> Hit {
+    let leaf = nodes[found.instance_custom_data];
     let near = intersect_box(leaf.min, leaf.max, ray.origin, inverse, ray.t_min).x;
     let instance = leaf.first;
     let rows = instances[instance].world_to_object;
     let origin = affine_map_point(rows, ray.origin);
     let direction = affine_map_vector(rows, ray.direction);
-    let index = instances[instance].first_triangle + primitive;
+    let index = instances[instance].first_triangle + found.primitive_index;
     let hit = intersect_triangle(triangles[index], origin, direction, intersect_inverse(direction), ray.t_min);
     if hit.t < 0.0 {
-        return Hit(t, weights.x, weights.y, index, instance);
+        return Hit(found.t, found.barycentrics.x, found.barycentrics.y, index, instance);
     }
     return Hit(max(hit.t, near), hit.u, hit.v, index, instance);
 }
@@ -47,14 +47,7 @@ fn trace_walk(ray: Ray, any: bool) -> Hit {
     // Candidates are hits with bottom levels that have cut-outs; others the device commits by itself.
     while rayQueryProceed(&query) {
         let found = rayQueryGetCandidateIntersection(&query);
-        let hit = trace_query_hit(
-            ray,
-            inverse,
-            found.instance_custom_data,
-            found.primitive_index,
-            found.t,
-            found.barycentrics,
-        );
+        let hit = trace_query_hit(ray, inverse, found);
         if (triangles[hit.triangle].material_flags & TRACE_ALPHA_TEST) == 0u
             || trace_stops(ray, hit.triangle, hit.u, hit.v) {
             rayQueryConfirmIntersection(&query);
@@ -64,14 +57,7 @@ fn trace_walk(ray: Ray, any: bool) -> Hit {
     if found.kind == RAY_QUERY_INTERSECTION_NONE {
         return miss;
     }
-    let hit = trace_query_hit(
-        ray,
-        inverse,
-        found.instance_custom_data,
-        found.primitive_index,
-        found.t,
-        found.barycentrics,
-    );
+    let hit = trace_query_hit(ray, inverse, found);
     if hit.t <= ray.t_max {
         return hit;
     }

@@ -183,7 +183,10 @@ fn told(needs: &[Saving], why: bool) -> String {
     if why {
         return saving_table(needs, false);
     }
-    let left_out = needs.iter().filter(|need| !need.present);
+    let left_out = needs
+        .iter()
+        .map(|saving| &saving.need)
+        .filter(|need| !need.present);
     let told: Vec<String> = left_out
         .map(|need| format!("{} ({:.1} MB)", need.name, need.bytes as f64 / 1e6))
         .collect();

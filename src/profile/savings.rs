@@ -3,24 +3,16 @@ use super::statistics::{Interval, quantile};
 use crate::view::View;
 use crate::{Gi, RenderError, Renderer};
 use gibs_graph::{Backend, BackendError};
+use gibs_passes::frame::Need;
 use serde::Serialize;
 use std::time::Instant;
 
 /// A need of the frame, and what it costs or would cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Saving {
-    /// The need.
-    pub name: &'static str,
-    /// The frame has it; else it is left out.
-    pub present: bool,
-    /// Where that comes from.
-    pub reason: String,
-    /// Stages that it adds, or would add.
-    pub stages: Vec<String>,
-    /// Bindings that it adds, or would add, to stages that are there without it.
-    pub bindings: Vec<String>,
-    /// Bytes of memory that it adds, or would add; negative where memory is shared better with it.
-    pub bytes: i64,
+    /// The need, and what it adds or would add.
+    #[serde(flatten)]
+    pub need: Need,
     /// What it would add to a frame; `None` where that was not measured, or the backend does not have what it takes.
     pub time: Option<SavedTime>,
 }
@@ -49,23 +41,15 @@ pub fn savings(
     let needs = gi.needs()?;
     let mut all: Vec<Saving> = needs
         .into_iter()
-        .map(|need| Saving {
-            name: need.name,
-            present: need.present,
-            reason: need.reason,
-            stages: need.stages,
-            bindings: need.bindings,
-            bytes: need.bytes,
-            time: None,
-        })
+        .map(|need| Saving { need, time: None })
         .collect();
     let Some((backend, frames)) = measure else {
         return Ok(all);
     };
-    let left_out = all.iter().filter(|saving| !saving.present).count() as u32;
+    let left_out = all.iter().filter(|saving| !saving.need.present).count() as u32;
     let mut done = 0;
     for (saving, variant) in all.iter_mut().zip(gi.variants()) {
-        if saving.present {
+        if saving.need.present {
             continue;
         }
         let mut with = match Renderer::of(backend, gi.variant(&variant)?, view) {

@@ -176,9 +176,13 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
 pub fn saving_table(savings: &[Saving], stages: bool) -> String {
     let mut text = String::new();
     for (present, title) in [(false, "left out"), (true, "needed")] {
-        for saving in savings.iter().filter(|saving| saving.present == present) {
+        for saving in savings
+            .iter()
+            .filter(|saving| saving.need.present == present)
+        {
+            let need = &saving.need;
             let verb = if present { "adds" } else { "saves" };
-            let megabytes = saving.bytes as f64 / 1e6;
+            let megabytes = need.bytes as f64 / 1e6;
             let time = saving.time.map(|time| {
                 let (ms, ratio) = (time.ms, percent(&time.ratio));
                 format!(", {ms:+.2} ms a frame ({ratio})")
@@ -186,17 +190,17 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
             let _ = writeln!(
                 text,
                 "{title}: {}, because of {}\n  {verb} {} stages, {} bindings of others, {megabytes:.1} MB{}",
-                saving.name,
-                saving.reason,
-                saving.stages.len(),
-                saving.bindings.len(),
+                need.name,
+                need.reason,
+                need.stages.len(),
+                need.bindings.len(),
                 time.unwrap_or_default(),
             );
             if stages {
-                for stage in &saving.stages {
+                for stage in &need.stages {
                     let _ = writeln!(text, "    {stage}");
                 }
-                for binding in &saving.bindings {
+                for binding in &need.bindings {
                     let _ = writeln!(text, "    {binding} (binding)");
                 }
             }

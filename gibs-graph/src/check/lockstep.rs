@@ -1,11 +1,10 @@
 //! Frames in lockstep: every step from equal inputs on every backend.
-use super::compare::{Comparison, compare};
+use super::compare::compare;
 use super::contents::{Contents, poison};
 use super::isolate::isolate;
 use super::judge::{Judge, steps, tally};
 use super::report::{CaseReport, PairReport};
 use super::run::{Captures, CheckOptions};
-use super::untouched::{UNTOUCHED, only_read};
 use super::{Capture, Case, CheckError, Participant};
 use crate::{
     Action, BackendError, Comparator, DispatchStep, Executable, Kind, Order, ResourceId, Schedule,
@@ -42,7 +41,7 @@ pub(crate) fn written(step: &Step) -> Vec<Written> {
 }
 
 /// Where the two of a pair stand.
-fn places(participants: &[Participant<'_>], pair: &PairReport) -> [usize; 2] {
+pub(super) fn places(participants: &[Participant<'_>], pair: &PairReport) -> [usize; 2] {
     [&pair.a, &pair.b].map(|name| {
         let place = participants.iter().position(|p| p.name == name);
         place.unwrap_or_default()
@@ -51,8 +50,8 @@ fn places(participants: &[Participant<'_>], pair: &PairReport) -> [usize; 2] {
 
 /// Backends in lockstep.
 pub(crate) struct Lockstep<'a> {
-    schedule: std::sync::Arc<Schedule>,
-    participants: &'a [Participant<'a>],
+    pub(super) schedule: std::sync::Arc<Schedule>,
+    pub(super) participants: &'a [Participant<'a>],
     options: &'a CheckOptions,
     execs: Vec<Box<dyn Executable>>,
     /// What each resource holds on all of them.
@@ -239,7 +238,10 @@ impl<'a> Lockstep<'a> {
     }
 
     /// What each participant has of a resource.
-    fn read(&mut self, resource: ResourceId) -> Result<Vec<Vec<u8>>, (&'a str, BackendError)> {
+    pub(super) fn read(
+        &mut self,
+        resource: ResourceId,
+    ) -> Result<Vec<Vec<u8>>, (&'a str, BackendError)> {
         let lanes = self.execs.iter_mut().zip(self.participants);
         lanes
             .map(|(exec, participant)| {
@@ -247,56 +249,6 @@ impl<'a> Lockstep<'a> {
                 read.map_err(|source| (participant.name, source))
             })
             .collect()
-    }
-
-    /// Sees whether the participants have left alike what the step only reads, while `contents` are still those before it.
-    fn look_after(
-        &mut self,
-        case: &str,
-        frame: u32,
-        index: usize,
-        outputs: &[Vec<Vec<u8>>],
-        captures: &mut Vec<Capture>,
-    ) -> Result<(), (&'a str, BackendError)> {
-        let schedule = self.schedule.clone();
-        let mut differs = None;
-        let mut found_there = Vec::new();
-        for read in only_read(&schedule, index) {
-            let lanes = self.read(read.resource)?;
-            let resource = &schedule.resources[read.resource as usize];
-            let step = self.report.steps.iter_mut().find(|r| r.step == index);
-            let ports = step.map(|step| &mut step.ports);
-            let port = ports.and_then(|ports| ports.iter_mut().find(|p| p.port == read.port));
-            for pair in port.into_iter().flat_map(|port| &mut port.pairs) {
-                let [a, b] = places(self.participants, pair);
-                let found = match lanes[a] == lanes[b] && lanes[a].len() as u64 == resource.bytes {
-                    true => Comparison {
-                        elements: resource.len,
-                        ..Comparison::default()
-                    },
-                    false => compare(
-                        &resource.element,
-                        resource.len,
-                        &UNTOUCHED,
-                        &lanes[a],
-                        &lanes[b],
-                        &[],
-                    ),
-                };
-                if tally(pair, frame, found, 0) {
-                    differs.get_or_insert((a, b));
-                }
-            }
-            found_there.push((read.resource, lanes));
-        }
-        if let Some((a, b)) = differs {
-            self.keep_capture(case, frame, index, outputs, [a, b], captures);
-        }
-        for (resource, lanes) in found_there {
-            self.settle_one(resource, lanes)
-                .map_err(|source| ("all", source))?;
-        }
-        Ok(())
     }
 
     /// All go on from what the first one made.
@@ -307,7 +259,7 @@ impl<'a> Lockstep<'a> {
         Ok(())
     }
 
-    fn settle_one(
+    pub(super) fn settle_one(
         &mut self,
         resource: ResourceId,
         mut lanes: Vec<Vec<u8>>,
@@ -377,7 +329,7 @@ impl<'a> Lockstep<'a> {
     }
 
     /// Adds a capture of a step to those of others, as far as there is room.
-    fn keep_capture(
+    pub(super) fn keep_capture(
         &self,
         case: &str,
         frame: u32,

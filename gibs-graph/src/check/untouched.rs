@@ -1,6 +1,9 @@
 //! What a step only reads: it has to be as it was when the step is over.
-use super::lockstep::written;
-use crate::{Access, Action, Comparator, Kind, ResourceId, Schedule, Step};
+use super::Capture;
+use super::compare::{Comparison, compare};
+use super::judge::tally;
+use super::lockstep::{Lockstep, places, written};
+use crate::{Access, Action, BackendError, Comparator, Kind, ResourceId, Schedule, Step};
 
 /// A port that a step only reads, and which is looked at after it.
 pub(crate) struct OnlyRead {
@@ -55,4 +58,56 @@ fn reads(step: &Step, id: ResourceId) -> bool {
     let mut access = bound.map(|binding| binding.access);
     let is_read = |access| matches!(access, Access::Uniform | Access::Read | Access::Sampled);
     access.any(is_read) && written(step).iter().all(|written| written.resource != id)
+}
+
+impl<'a> Lockstep<'a> {
+    /// Sees whether the participants have left alike what the step only reads, while `contents` are still those before it.
+    pub(super) fn look_after(
+        &mut self,
+        case: &str,
+        frame: u32,
+        index: usize,
+        outputs: &[Vec<Vec<u8>>],
+        captures: &mut Vec<Capture>,
+    ) -> Result<(), (&'a str, BackendError)> {
+        let schedule = self.schedule.clone();
+        let mut differs = None;
+        let mut found_there = Vec::new();
+        for read in only_read(&schedule, index) {
+            let lanes = self.read(read.resource)?;
+            let resource = &schedule.resources[read.resource as usize];
+            let step = self.report.steps.iter_mut().find(|r| r.step == index);
+            let ports = step.map(|step| &mut step.ports);
+            let port = ports.and_then(|ports| ports.iter_mut().find(|p| p.port == read.port));
+            for pair in port.into_iter().flat_map(|port| &mut port.pairs) {
+                let [a, b] = places(self.participants, pair);
+                let found = match lanes[a] == lanes[b] && lanes[a].len() as u64 == resource.bytes {
+                    true => Comparison {
+                        elements: resource.len,
+                        ..Comparison::default()
+                    },
+                    false => compare(
+                        &resource.element,
+                        resource.len,
+                        &UNTOUCHED,
+                        &lanes[a],
+                        &lanes[b],
+                        &[],
+                    ),
+                };
+                if tally(pair, frame, found, 0) {
+                    differs.get_or_insert((a, b));
+                }
+            }
+            found_there.push((read.resource, lanes));
+        }
+        if let Some((a, b)) = differs {
+            self.keep_capture(case, frame, index, outputs, [a, b], captures);
+        }
+        for (resource, lanes) in found_there {
+            self.settle_one(resource, lanes)
+                .map_err(|source| ("all", source))?;
+        }
+        Ok(())
+    }
 }
