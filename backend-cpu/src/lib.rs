@@ -45,6 +45,10 @@ struct Shared {
     capabilities: Capabilities,
 }
 
+/// What the names of the threads that run kernels begin with. A kernel that panics there is told as
+/// [`BackendError::Kernel`], so that a program may leave out what its panic hook would say.
+pub const KERNEL_THREADS: &str = "gibs-cpu-";
+
 impl CpuBackend {
     /// Starts the threads.
     ///
@@ -54,7 +58,7 @@ impl CpuBackend {
         let threads = options.threads.unwrap_or(0);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
-            .thread_name(|i| format!("gibs-cpu-{i}"))
+            .thread_name(|i| format!("{KERNEL_THREADS}{i}"))
             .build()
             .map_err(|error| BackendError::Unavailable {
                 backend: "cpu".into(),

@@ -4,6 +4,7 @@ use super::check::{MOST_FRAMES, Way};
 use super::output::{progress, say};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::check::{Difference, Participant, Way as How, bisect, surfels};
+use crate::picture::ensure_writable;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -57,6 +58,7 @@ struct Parted<'a> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
+    ensure_writable(&args.out)?;
     let settings = args.settings.load()?;
     let loaded = args.scene.load()?;
     let backends = [args.a.open(false)?, args.b.open(false)?];

@@ -137,6 +137,27 @@ pub enum CommandError {
         /// The other.
         b: &'static str,
     },
+    /// Equal words are asked for, and one of the two that would run them is not.
+    #[error("--same-spirv compares vulkan with wgpu; name both in --backends, or none")]
+    SameWordsOfOne,
+    /// Two backends differ on a capture, and on the smaller one that was made of it.
+    #[error("`{stage}` on {backend} differs from {other}; {} is the smaller capture that shows it", file.display())]
+    Reduced {
+        /// Stage.
+        stage: String,
+        /// Backend.
+        backend: &'static str,
+        /// The other.
+        other: &'static str,
+        /// The smaller capture.
+        file: PathBuf,
+    },
+    /// A capture would be written over by what is made of it.
+    #[error("{} is the capture itself; give --reduce another file", file.display())]
+    ReducedOntoItself {
+        /// Capture.
+        file: PathBuf,
+    },
     /// A replayed stage gives something else than it did.
     #[error(
         "`{stage}` on {backend} differs from what {oracle} made of it, the first participant of the capture"
@@ -239,6 +260,7 @@ impl CommandError {
             | Self::Parted { .. }
             | Self::Replay { .. }
             | Self::Scribbled { .. }
+            | Self::Reduced { .. }
             | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }

@@ -57,6 +57,19 @@ fn listen() {
     let _ = tracing::subscriber::set_global_default(tracing_subscriber::registry().with(layer));
 }
 
+/// Leaves out what the panic hook says of kernels: it is told as an error of their stage.
+#[cfg(feature = "cpu")]
+fn tell_kernels_once() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let thread = std::thread::current();
+        let name = thread.name().unwrap_or_default();
+        if !name.starts_with(gibs_backend_cpu::KERNEL_THREADS) {
+            usual(panic);
+        }
+    }));
+}
+
 /// Runs the program: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -71,6 +84,8 @@ pub fn main() -> ExitCode {
             };
         }
     };
+    #[cfg(feature = "cpu")]
+    tell_kernels_once();
     #[cfg(feature = "tracy")]
     listen();
     let done = match cli.command {

@@ -5,7 +5,7 @@ use super::measure::{assert_finite, draw, go_on, settings};
 use super::pictures;
 use gibs::Renderer;
 use gibs::passes::frame::Settings;
-use gibs::passes::scene::{Environment, Material, Mesh, Node};
+use gibs::passes::scene::{Environment, Light, Material, Mesh, Node};
 use glam::Vec3;
 
 /// A scene without anything, with a node that draws nothing, and with a mesh of no triangles shows the sky at every pixel,
@@ -79,6 +79,37 @@ fn without_light_it_is_black() {
         }
         println!("{name}: without light: E, direct light and the picture are exactly 0");
         pictures::irradiance("no-light", name, &picture);
+    }
+}
+
+/// Lamps and emissive triangles of zero among others change no bit: nothing is drawn for them, whatever stands before and
+/// behind them in the lists that light is drawn from. There are more lamps than are sampled at a point.
+#[test]
+fn lights_of_zero_among_others_change_nothing() {
+    let (mut scene, view) = room();
+    let lamp = scene.lights.first().cloned().expect("the room has a lamp");
+    scene.lights = vec![lamp; 3];
+    let mut with = scene.clone();
+    let dark = Light {
+        intensity: Vec3::ZERO,
+        ..scene.lights[0].clone()
+    };
+    with.lights = vec![dark; 9];
+    for (place, light) in [0, 4, 8].into_iter().zip(&scene.lights) {
+        with.lights[place] = light.clone();
+    }
+    for backend in all_backends() {
+        let name = backend.name();
+        let [without, with] = [&scene, &with].map(|scene| {
+            let scene = (scene.clone(), view.clone());
+            draw(backend.as_ref(), &scene, [32, 18], 8, &settings(), 0)
+        });
+        for layer in ["E", "direct"] {
+            let [a, b] = [&without, &with].map(|p| p.rgb(layer).expect("the layer").concat());
+            assert!(a.iter().any(|x| *x > 0.0), "{name}: {layer}");
+            assert_eq!(a, b, "{name}: {layer}");
+        }
+        println!("{name}: six lamps of zero among three others change no bit");
     }
 }
 

@@ -13,6 +13,7 @@ use crate::check::{
 };
 use crate::picture::replace_file;
 use crate::view::View;
+use clap::builder::NonEmptyStringValueParser;
 use gibs_passes::scene::Scene;
 use gibs_passes::stages;
 use participants::{Opened, open};
@@ -36,7 +37,7 @@ pub struct Args {
     #[arg(long)]
     same_spirv: bool,
     /// Only steps and stages of which the name contains this
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     stage: Option<String>,
     /// Compare the first N frames, instead of some early and some later ones up to the 77th
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_FRAMES))]
@@ -57,7 +58,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Also capture steps and stages of which the name contains this, in every frame that is compared, where all agree too
-    #[arg(long, value_name = "NAME", requires = "report")]
+    #[arg(long, value_name = "NAME", requires = "report", value_parser = NonEmptyStringValueParser::new())]
     capture: Option<String>,
     /// Print JSON
     #[arg(long)]
@@ -160,6 +161,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         false => tell(&summary)?,
     }
     warn(args, &checked, &summary);
+    if let Some(folder) = &args.report {
+        warn_of_others(folder, &captures);
+    }
     match summary.passed {
         true => Ok(()),
         false => Err(CommandError::Check {
@@ -191,6 +195,21 @@ fn warn(args: &Args, checked: &Checked, summary: &Summary<'_>) {
             expectation.stage,
             expectation.device,
             expectation.reason
+        );
+    }
+}
+
+/// Captures in the folder that are of an earlier report: they are not removed, since somebody may want them.
+fn warn_of_others(folder: &Path, captures: &[PathBuf]) {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_other = |file: &PathBuf| {
+        file.extension().is_some_and(|extension| extension == "npz") && !captures.contains(file)
+    };
+    let others = files.map(|file| file.path()).filter(is_other).count();
+    if others > 0 {
+        warning!(
+            "{}: {others} captures there are not of this report, which lists its own",
+            folder.display()
         );
     }
 }

@@ -89,6 +89,10 @@ pub struct Opened {
 
 /// Opens the participants. One that was named has to be there; of those that nobody named, the others are left out.
 pub fn open(args: &Args) -> Result<Opened, CommandError> {
+    let named = |way| args.backends.is_empty() || args.backends.contains(&way);
+    if args.same_spirv && !(named(Way::Vulkan) && named(Way::Wgpu)) {
+        return Err(CommandError::SameWordsOfOne);
+    }
     let usual = [Way::Scalar, Way::Cpu, Way::Vulkan, Way::Wgpu];
     let asked = match args.backends.is_empty() {
         true => &usual[..],

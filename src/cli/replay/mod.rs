@@ -5,6 +5,7 @@ use super::CommandError;
 use super::check::Way;
 use super::output::{printable, say};
 use crate::check::{Capture, CaptureError, replay, verify};
+use crate::picture::ensure_writable;
 use gibs_passes::stages;
 use serde::Serialize;
 use shrink::{Shrunk, shrink};
@@ -51,7 +52,7 @@ enum Verdict {
     Equal,
     /// What the ports' comparators allow.
     Within,
-    /// Something else.
+    /// Something else, or something else than the backend that it is reduced against.
     Differs,
     /// The capture holds no results.
     Unchecked,
@@ -94,6 +95,13 @@ struct Against {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let capture = Capture::read(&args.capture)?;
+    if let Some(file) = &args.reduce {
+        ensure_writable(file)?;
+        let resolved = |file: &Path| std::fs::canonicalize(file).ok();
+        if resolved(file).is_some_and(|file| Some(file) == resolved(&args.capture)) {
+            return Err(CommandError::ReducedOntoItself { file: file.clone() });
+        }
+    }
     let stages = stages::all();
     let backend = args.backend.open(false)?;
     let replayed = replay(&capture, &stages, backend.as_ref(), args.runs)
@@ -124,7 +132,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     times.sort_unstable();
     let micros = |time: Option<&Duration>| time.map_or(0.0, |t| t.as_secs_f64() * 1e6);
     let oracle = capture.results.first().map(|oracle| oracle.lane.as_str());
-    let verdict = judged(oracle, &against);
+    let verdict = match reduced {
+        Some(_) => Verdict::Differs,
+        None => judged(oracle, &against),
+    };
     let summary = Summary {
         verdict,
         passed: matches!(verdict, Verdict::Equal | Verdict::Within)
@@ -155,6 +166,14 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             stage: summary.stage,
             backend: summary.backend,
             buffers: summary.scribbled,
+        });
+    }
+    if let Some(reduced) = summary.reduced {
+        return Err(CommandError::Reduced {
+            stage: summary.stage,
+            backend: summary.backend,
+            other: args.against.name(),
+            file: reduced.file,
         });
     }
     match (verdict, oracle) {
@@ -250,6 +269,10 @@ fn tell(summary: &Summary, oracle: Option<&str>) -> Result<(), CommandError> {
             reduced.nonzero_bytes_before,
             reduced.tried
         );
+    }
+    if summary.reduced.is_some() {
+        say!("failed: the two backends differ on it");
+        return Ok(());
     }
     match (summary.verdict, oracle.map(printable)) {
         (Verdict::Equal, Some(oracle)) => say!("passed: the bits that {oracle} made of it"),
