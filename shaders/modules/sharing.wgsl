@@ -19,6 +19,8 @@ const SHARING_CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed.
 const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 
+/// Rays with which a surfel's own variance counts as that of a neighbour at the same place.
+const SHARING_OWN_RAYS: f32 = 8.0;
 /// Age, in frames, from which on a surfel asks only once in a period.
 const SHARING_FRESH: u32 = 16u;
 /// Frames from one time that a surfel asks to the next.

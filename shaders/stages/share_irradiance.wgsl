@@ -6,7 +6,7 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
+    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
@@ -74,8 +74,12 @@ fn ask(own: u32) -> SharingSaid {
         }
         let age = frame.number - state.since;
         let variance = sharing_mean_variance(state);
-        ray_variance += weight * state.variance;
-        ray_sum += weight;
+        var counts_for = weight;
+        if id == own {
+            counts_for = weight * max(f32(state.samples) / SHARING_OWN_RAYS, 1.0);
+        }
+        ray_variance += counts_for * state.variance;
+        ray_sum += counts_for;
         if id == own {
             continue;
         }

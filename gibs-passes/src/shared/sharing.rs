@@ -33,6 +33,11 @@ pub const CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed: what is rare may not have come yet.
 pub const UNCERTAIN_BEFORE: u32 = 256;
 
+/// Rays with which a surfel's own variance counts as that of a neighbour at the same place; with twice the rays twice as much.
+/// It takes a few to know it; but later the variance of brighter neighbours would make the mean of a surfel in the dark look
+/// like noise, and what they say fill it up.
+pub const OWN_RAYS: f32 = 8.0;
+
 /// Age, in frames, from which on a surfel asks only once in [`PERIOD`] frames: what its neighbours say changes little.
 pub const FRESH: u32 = 16;
 
@@ -132,8 +137,12 @@ impl Asked {
             return;
         }
         let variance = mean_variance(state);
-        self.ray_variance += weight * state.variance;
-        self.ray_sum += weight;
+        let counts = match is_own {
+            true => weight * (state.samples as f32 / OWN_RAYS).max(1.0),
+            false => weight,
+        };
+        self.ray_variance += counts * state.variance;
+        self.ray_sum += counts;
         if is_own {
             return;
         }

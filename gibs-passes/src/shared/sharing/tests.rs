@@ -81,6 +81,46 @@ fn black_neighbours_are_believed() {
     assert!(light(&lucky, 0, &said).irradiance.x < 0.01);
 }
 
+/// In the dark beside bright surfels, many rays that all found little are believed, few are not: the share of what the
+/// neighbours say falls faster than the rays grow.
+#[test]
+fn the_dark_beside_the_bright_stays_dark() {
+    let bright = SurfelIrradiance {
+        mean: Vec3::ONE,
+        samples: 64,
+        variance: 4.0,
+        ..SurfelIrradiance::default()
+    };
+    let shown = |samples: u32| {
+        let dark = SurfelIrradiance {
+            mean: Vec3::splat(0.05),
+            samples,
+            variance: 0.01,
+            ..SurfelIrradiance::default()
+        };
+        let mut asked = Asked::default();
+        asked.add(&dark, 4.0, 0, true);
+        (0..4).for_each(|_| asked.add(&bright, 0.5, 0, false));
+        light(&dark, 0, &Said::unpack(&asked.said().pack()))
+            .irradiance
+            .x
+    };
+    let said = |rays: f32, samples: f32| 0.05 + 0.95 * rays / (rays + samples);
+    // Pooled, a ray varies by (4 k 0.01 + 2 * 4) / (4 k + 2), where k is 1 up to 8 rays; four neighbours leave 4 / 64 / 4, and
+    // the least spread 0.03 of one.
+    let spread = 4.0 / 64.0 / 4.0 + 0.03 * 0.03;
+    for (samples, k) in [(4, 1.0), (8, 1.0), (64, 8.0), (640, 80.0)] {
+        let pooled = (4.0 * k * 0.01 + 8.0) / (4.0 * k + 2.0);
+        let expected = said(pooled / spread, samples as f32);
+        let found = shown(samples);
+        assert!(
+            (found - expected).abs() < 1e-3,
+            "{samples} rays: {found}, not {expected}"
+        );
+    }
+    assert!(shown(4) > 0.9 && shown(640) < 0.06);
+}
+
 /// Every surfel asks once in a period, when it is born, and while it is fresh.
 #[test]
 fn every_surfel_asks_in_turn() {
