@@ -1,39 +1,11 @@
-//! The estimator over a hundred thousand frames, and depth functions without variance: shared functions alone, which every
-//! backend has to the bit.
+//! The estimator over a hundred thousand frames, on every backend; and depth functions without variance: shared functions
+//! alone, which `tests/twins` holds every backend to.
+use super::common::all_backends;
+use super::lives::{Life, RAYS, means};
 use super::measure::{U, deviation, mean};
-use gibs::passes::data::SurfelIrradiance;
 use gibs::passes::shared::depth::{CHEBYSHEV_FLOOR, FARTHEST, LEAST_VARIANCE, chebyshev, moments};
-use gibs::passes::shared::{depth, estimator, hash};
-use glam::{Vec2, Vec3};
-
-const FRAMES: u32 = 100_000;
-const RAYS: u32 = 4;
-/// When the count of rays has reached its end, `MOST_SAMPLES / RAYS = 32 768` frames, and as much again.
-const FULL: u32 = 2 * estimator::MOST_SAMPLES / RAYS;
-
-/// Samples that are even on `[0, 2 level)`, their mean at every 100th frame from [`FULL`] on, over the level.
-fn means(level: f32, seed: u32, first: u32) -> Vec<f64> {
-    let mut state = SurfelIrradiance::default();
-    let mut means = Vec::new();
-    for i in 0..FRAMES {
-        let sample = Vec3::splat(2.0 * level * hash::unit(hash::hash2(i, seed)));
-        state = estimator::update(&state, sample, RAYS, first.wrapping_add(i), false);
-        let kept = [
-            state.mean.x,
-            state.short_mean.x,
-            state.variance,
-            state.short_noise,
-        ];
-        assert!(
-            kept.iter().all(|x| x.is_finite() && *x >= 0.0),
-            "frame {i}: {state:?}"
-        );
-        if i >= FULL && i % 100 == 0 {
-            means.push(f64::from(state.mean.x) / f64::from(level));
-        }
-    }
-    means
-}
+use gibs::passes::shared::{depth, estimator};
+use glam::Vec2;
 
 /// A full mean takes a share `s = 4 / 131 076` of each sample, of deviation `1 / sqrt(3)`: it scatters by `sqrt(s / (2 - s) /
 /// 3) = 0.23 %`, and 5 of those are 1.13 %. It is the sum of as many terms as it remembers, `1 / s`, each off by half a
@@ -48,26 +20,42 @@ fn a_hundred_thousand_frames_stay_at_the_mean() {
     let scatter = (share / (2.0 - share) / 3.0).sqrt();
     let drift = U / share;
     let bound = 5.0 * scatter + drift;
-    for level in [1e-12f32, 1.0, 1e12] {
-        let runs: Vec<Vec<f64>> = (0..12).map(|seed| means(level, seed, 0)).collect();
-        let worst = runs
-            .iter()
-            .flatten()
-            .fold(0f64, |w, m| w.max((m - 1.0).abs()));
-        let averages: Vec<f64> = runs.iter().map(|run| mean(run)).collect();
-        let (off, spread) = (mean(&averages) - 1.0, deviation(&averages));
-        let most = 5.0 * scatter / 12f64.sqrt() + drift;
-        println!(
-            "level {level:e}: worst {:.3} % (bound {:.3} %), over 12 runs {:+.4} % (bound {:.4} %), scatter {:.3} % (closed form {:.3} %)",
-            worst * 100.0,
-            bound * 100.0,
-            off * 100.0,
-            most * 100.0,
-            spread * 100.0,
-            scatter * 100.0
-        );
-        assert!(worst <= bound, "{level}: {worst}");
-        assert!(off.abs() <= most, "{level}: {off}");
+    let levels = [1e-12f32, 1.0, 1e12];
+    let lives: Vec<Life> = levels
+        .into_iter()
+        .flat_map(|level| {
+            (1..=12).map(move |seed| Life {
+                level,
+                seed,
+                birth: 0,
+            })
+        })
+        .collect();
+    for backend in all_backends() {
+        let name = backend.name();
+        let found = means(backend.as_ref(), &lives);
+        for (level, runs) in levels.into_iter().zip(found.chunks(12)) {
+            let over = |m: &f32| f64::from(*m) / f64::from(level);
+            let all = runs.iter().flatten().map(over);
+            let worst = all.fold(0f64, |w, m| w.max((m - 1.0).abs()));
+            let averages: Vec<f64> = runs
+                .iter()
+                .map(|run| mean(&run.iter().map(over).collect::<Vec<_>>()))
+                .collect();
+            let (off, spread) = (mean(&averages) - 1.0, deviation(&averages));
+            let most = 5.0 * scatter / 12f64.sqrt() + drift;
+            println!(
+                "{name}: level {level:e}: worst {:.3} % (bound {:.3} %), over 12 runs {:+.4} % (bound {:.4} %), scatter {:.3} % (closed form {:.3} %)",
+                worst * 100.0,
+                bound * 100.0,
+                off * 100.0,
+                most * 100.0,
+                spread * 100.0,
+                scatter * 100.0
+            );
+            assert!(worst <= bound, "{name}: {level}: {worst}");
+            assert!(off.abs() <= most, "{name}: {level}: {off}");
+        }
     }
 }
 
@@ -75,17 +63,23 @@ fn a_hundred_thousand_frames_stay_at_the_mean() {
 /// the sample. So it is within one such unit, `2 U`, for ever.
 #[test]
 fn a_constant_is_kept_for_a_hundred_thousand_frames() {
-    for level in [1e-12f32, 0.1, 1.0 / 3.0, 1e12] {
-        let mut state = SurfelIrradiance::default();
-        for i in 0..FRAMES {
-            state = estimator::update(&state, Vec3::splat(level), RAYS, i, true);
+    let lives = [1e-12f32, 0.1, 1.0 / 3.0, 1e12].map(|level| Life {
+        level,
+        seed: 0,
+        birth: 0,
+    });
+    for backend in all_backends() {
+        let name = backend.name();
+        for (life, means) in lives.iter().zip(means(backend.as_ref(), &lives)) {
+            let off = |m: &f32| (f64::from(*m) / f64::from(life.level) - 1.0).abs();
+            let worst = means.iter().map(off).fold(0.0, f64::max);
+            println!(
+                "{name}: a constant of {:e}: off by {worst:.2e} (bound {:.2e})",
+                life.level,
+                2.0 * U
+            );
+            assert!(worst <= 2.0 * U, "{name}: {life:?}: {worst}");
         }
-        let off = (f64::from(state.mean.x) / f64::from(level) - 1.0).abs();
-        println!(
-            "a constant of {level:e}: off by {off:.2e} (bound {:.2e})",
-            2.0 * U
-        );
-        assert!(off <= 2.0 * U, "{level}: {off}");
     }
 }
 
@@ -93,9 +87,17 @@ fn a_constant_is_kept_for_a_hundred_thousand_frames() {
 /// one that begins at 0.
 #[test]
 fn a_life_across_the_wrap_has_the_same_bits() {
-    let (here, there) = (means(1.0, 7, 0), means(1.0, 7, u32::MAX - 50_000));
-    assert!(here == there);
-    println!("a life across the wrap of the frame number: every bit is the same");
+    let lives = [0, u32::MAX - 50_000].map(|birth| Life {
+        level: 1.0,
+        seed: 7,
+        birth,
+    });
+    for backend in all_backends() {
+        let name = backend.name();
+        let found = means(backend.as_ref(), &lives);
+        assert!(found[0] == found[1], "{name}");
+        println!("{name}: a life across the wrap of the frame number: every bit is the same");
+    }
 }
 
 /// Without variance, Chebyshev's bound is that of [`LEAST_VARIANCE`], v: `(v / (v + d^2) - 0.6) / 0.4` cubed, d beyond the

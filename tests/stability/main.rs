@@ -17,6 +17,7 @@ mod frame_counter;
 mod inside;
 mod light_powers;
 mod lights_on_surfaces;
+mod lives;
 mod node_scales;
 mod nothing;
 mod number_ranges;
