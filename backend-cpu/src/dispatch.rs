@@ -7,6 +7,33 @@ use gibs_graph::{
 };
 use rayon::prelude::*;
 use std::any::Any;
+use std::cell::Cell;
+
+thread_local! {
+    static IN_KERNEL: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread runs a kernel. A panic there becomes a [`BackendError::Kernel`], so that a program's panic hook may
+/// leave it out.
+pub fn in_kernel() -> bool {
+    IN_KERNEL.get()
+}
+
+/// Marks the thread until it is dropped, also by a panic.
+struct InKernel;
+
+impl InKernel {
+    fn enter() -> Self {
+        IN_KERNEL.set(true);
+        Self
+    }
+}
+
+impl Drop for InKernel {
+    fn drop(&mut self) {
+        IN_KERNEL.set(false);
+    }
+}
 
 impl CpuExecutable {
     /// Number of workgroups along each axis, and in all.
@@ -87,6 +114,7 @@ impl CpuExecutable {
                 i / count[0] % count[1],
                 i / count[0] / count[1],
             ];
+            let _marked = InKernel::enter();
             kernel(&views, Workgroup { id, count, size });
         };
         let threads = self.shared.pool.current_num_threads();

@@ -10,6 +10,8 @@ mod memory;
 mod order;
 mod system;
 
+pub use dispatch::in_kernel;
+
 use gibs_graph::{
     Backend, BackendError, Capabilities, DeviceInfo, Executable, MAX_GROUPS, Schedule,
 };
@@ -45,10 +47,6 @@ struct Shared {
     capabilities: Capabilities,
 }
 
-/// What the names of the threads that run kernels begin with. A kernel that panics there is told as
-/// [`BackendError::Kernel`], so that a program may leave out what its panic hook would say.
-pub const KERNEL_THREADS: &str = "gibs-cpu-";
-
 impl CpuBackend {
     /// Starts the threads.
     ///
@@ -58,7 +56,7 @@ impl CpuBackend {
         let threads = options.threads.unwrap_or(0);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
-            .thread_name(|i| format!("{KERNEL_THREADS}{i}"))
+            .thread_name(|i| format!("gibs-cpu-{i}"))
             .build()
             .map_err(|error| BackendError::Unavailable {
                 backend: "cpu".into(),

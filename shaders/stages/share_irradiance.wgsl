@@ -74,13 +74,11 @@ fn ask(own: u32) -> SharingSaid {
         }
         let age = frame.number - state.since;
         let variance = sharing_mean_variance(state);
-        var counts_for = weight;
-        if id == own {
-            counts_for = weight * max(f32(state.samples) / SHARING_OWN_RAYS, 1.0);
-        }
+        let is_own = id == own;
+        let counts_for = select(weight, weight * max(f32(state.samples) / SHARING_OWN_RAYS, 1.0), is_own);
         ray_variance += counts_for * state.variance;
         ray_sum += counts_for;
-        if id == own {
+        if is_own {
             continue;
         }
         let counts = weight * min(f32(state.samples), SHARING_MOST_RAYS);

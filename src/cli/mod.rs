@@ -62,9 +62,7 @@ fn listen() {
 fn tell_kernels_once() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        let thread = std::thread::current();
-        let name = thread.name().unwrap_or_default();
-        if !name.starts_with(gibs_backend_cpu::KERNEL_THREADS) {
+        if !gibs_backend_cpu::in_kernel() {
             usual(panic);
         }
     }));

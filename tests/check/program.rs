@@ -114,6 +114,22 @@ fn what_cannot_be_compared_is_refused() {
     }
     let output = gibs(&["check", "nowhere.gltf", "--backends", "cpu-scalar,cpu"]);
     assert_eq!(code(&output), Some(2));
+    for (options, said) in [
+        (["--same-spirv", "--backends", "cpu,vulkan"], "name both"),
+        (["--backends", "cpu-scalar,cpu", "--stage="], "--stage"),
+    ] {
+        let output = gibs(&[&["check", "cornell"], &options[..]].concat());
+        assert_eq!(code(&output), Some(2), "{options:?}");
+        let error = text(&output.stderr);
+        assert!(error.contains(said), "{options:?}: {error}");
+    }
+    // Before any frame is run, and so before it is known whether there is anything to capture.
+    let nowhere = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-such-folder/parted.npz");
+    let out = nowhere.to_str().expect("a name");
+    let both = ["--a", "cpu-scalar", "--b", "cpu", "--frames", "1"];
+    let output = gibs(&[&["bisect", "cornell", "--out", out], &both[..]].concat());
+    assert_eq!(code(&output), Some(2));
+    assert!(text(&output.stderr).contains("no-such-folder"));
 }
 
 /// A list of expected differences that do not come fails the check.

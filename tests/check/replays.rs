@@ -16,8 +16,8 @@ fn replay(file: &Path, more: &[&str]) -> Output {
     gibs(&[&["replay", file, "--backend", "cpu", "--runs", "2"], more].concat())
 }
 
-/// A capture that a check has written.
-fn captured(folder: &Path) -> PathBuf {
+/// A capture of a stage that a check has written.
+fn captured(folder: &Path, stage: &str) -> PathBuf {
     let output = gibs(&[
         "check",
         "cornell",
@@ -28,9 +28,9 @@ fn captured(folder: &Path) -> PathBuf {
         "--size",
         "16x9",
         "--stage",
-        "GapFill",
+        stage,
         "--capture",
-        "GapFill",
+        stage,
         "--json",
         "--report",
         folder.to_str().expect("a name"),
@@ -43,7 +43,7 @@ fn captured(folder: &Path) -> PathBuf {
 
 #[test]
 fn what_a_check_captures_can_be_replayed() {
-    let file = captured(&folder("replay-captured"));
+    let file = captured(&folder("replay-captured"), "GapFill");
     let output = replay(&file, &["--json"]);
     assert_eq!(code(&output), Some(0), "{}", text(&output.stderr));
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -84,7 +84,7 @@ fn files_that_cannot_be_replayed_are_named_with_a_remedy() {
         &["cannot be read", "gibs check --report"],
     );
     refused(&folder, &["is a folder", ".npz"]);
-    let sound = Capture::read(&captured(&folder)).expect("a capture");
+    let sound = Capture::read(&captured(&folder, "GapFill")).expect("a capture");
     let file = folder.join("changed.npz");
     let write = |change: &dyn Fn(&mut Capture)| {
         let mut capture = sound.clone();
@@ -110,7 +110,7 @@ fn files_that_cannot_be_replayed_are_named_with_a_remedy() {
 #[test]
 fn names_of_a_capture_reach_the_terminal_as_text() {
     let folder = folder("replay-names");
-    let mut capture = Capture::read(&captured(&folder)).expect("a capture");
+    let mut capture = Capture::read(&captured(&folder, "GapFill")).expect("a capture");
     capture.label = "\u{1b}[2Jstep".into();
     capture.case = "case\u{7}".into();
     capture.results[0].device = "\u{9b}31mdevice".into();
@@ -126,4 +126,66 @@ fn names_of_a_capture_reach_the_terminal_as_text() {
     capture.stage = "\u{1b}[2J".into();
     capture.write(&file).expect("written");
     assert!(shows().contains("\\u{1b}[2J"));
+}
+
+/// The scalar kernel walks one tree and the wide one another. Where the triangles of one are gone the two differ, which is a
+/// failure however well the backend does what the capture holds; where the other is full of zeros, kernels panic, which is told
+/// as an error of the stage alone.
+#[test]
+fn a_difference_is_reduced_and_fails() {
+    let folder = folder("replay-reduced");
+    let whole = captured(&folder, "TraceClosest");
+    let mut capture = Capture::read(&whole).expect("a capture");
+    let triangles = capture
+        .buffers
+        .iter_mut()
+        .find(|buffer| buffer.key == "scene_triangles");
+    triangles.expect("the scalar kernel's").bytes.fill(0);
+    let file = folder.join("parted.npz");
+    capture.write(&file).expect("written");
+    let reduced = folder.join("smaller.npz");
+    let more = ["--tries", "60", "--json", "--reduce"];
+    let output = replay(
+        &file,
+        &[&more[..], &[reduced.to_str().expect("a name")]].concat(),
+    );
+    let error = text(&output.stderr);
+    assert_eq!(code(&output), Some(1), "{error}");
+    assert!(
+        error.contains("cpu-scalar") && error.contains("smaller.npz"),
+        "{error}"
+    );
+    assert!(!error.contains("panicked"), "{error}");
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(
+        (&summary["verdict"], &summary["passed"]),
+        (&"differs".into(), &false.into())
+    );
+    let bytes = |key: &str| summary["reduced"][key].as_u64().expect("a number");
+    assert!(bytes("nonzero_bytes_after") < bytes("nonzero_bytes_before"));
+    // What is left shows it.
+    assert_eq!(code(&replay(&reduced, &[])), Some(1));
+
+    let before = std::fs::read(&file).expect("there");
+    let output = replay(&file, &["--reduce", file.to_str().expect("a name")]);
+    assert_eq!(code(&output), Some(2));
+    assert!(text(&output.stderr).contains("the capture itself"));
+    assert!(std::fs::read(&file).expect("there") == before);
+    // The first captures were of another report.
+    let said = text(
+        &gibs(&[
+            "check",
+            "cornell",
+            "--backends",
+            "cpu-scalar,cpu",
+            "--frames",
+            "1",
+            "--stage",
+            "GapFill",
+            "--report",
+            folder.to_str().expect("a name"),
+        ])
+        .stderr,
+    );
+    assert!(said.contains("not of this report"), "{said}");
 }

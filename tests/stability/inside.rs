@@ -46,17 +46,21 @@ fn inside_a_solid_it_is_dark() {
     }
 }
 
+/// Surfels alone, of rays over the lobe: with albedo 0 each of them brings the light of the walls, exactly.
+fn alone() -> Settings {
+    Settings {
+        emitters: false,
+        rays: 1024,
+        ..settings()
+    }
+}
+
 /// An eye in the plane of a wall, on an edge and in a corner of the room: rays start where they hit, and which side of a surface
 /// is seen is chance where the eye is in it; behind it is nothing. So at albedo 0 no pixel has more than E = `pi e`, within the
 /// roundings of `white_walls`, and none less than 0. With bounces every value is finite and none below zero.
 #[test]
 fn eyes_on_surfaces_see_no_more_than_there_is() {
     const DRAWN: u32 = 8;
-    let alone = Settings {
-        emitters: false,
-        rays: 1024,
-        ..settings()
-    };
     let bound = 2.0 * (f64::from(DRAWN) + 1024.0) * U;
     for backend in all_backends() {
         let name = backend.name();
@@ -69,7 +73,7 @@ fn eyes_on_surfaces_see_no_more_than_there_is() {
                 let picture = draw(backend.as_ref(), &scene, [37, 23], DRAWN, settings, 0);
                 levels(&picture, "E")
             };
-            let black = draw(0.0, &alone);
+            let black = draw(0.0, &alone());
             let most = black.iter().fold(0f64, |most, e| most.max(e / PI - 1.0));
             println!("{name}: an eye at {eye:?}: E at most {most:.2e} above (bound {bound:.2e})");
             assert!(most <= bound, "{name}: {eye:?}: {most}");
@@ -87,16 +91,11 @@ const SIZES: [[u32; 2]; 5] = [[1, 1], [1, 7], [7, 1], [37, 23], [3, 129]];
 #[test]
 fn odd_sizes_have_every_pixel_right() {
     const DRAWN: u32 = 16;
-    let alone = Settings {
-        emitters: false,
-        rays: 1024,
-        ..settings()
-    };
     let (furnace, view) = builtin::furnace(0.0, 1.0);
     for backend in all_backends() {
         let name = backend.name();
-        let mut renderer =
-            Renderer::new(backend.as_ref(), &furnace, &view, [2, 2], &alone, 0).expect("prepares");
+        let mut renderer = Renderer::new(backend.as_ref(), &furnace, &view, [2, 2], &alone(), 0)
+            .expect("prepares");
         for (size, frames) in SIZES.into_iter().zip((DRAWN..).step_by(DRAWN as usize)) {
             renderer.resize(size).expect("another size");
             let black = go_on(&mut renderer, DRAWN, name);
