@@ -5,9 +5,9 @@ use gibs_graph::{
     Access, BackendError, DispatchArgs, DispatchSize, DispatchStep, MAX_GROUPS, RawView, Workgroup,
     WriteMap, unknown_step,
 };
-use rayon::prelude::*;
 use std::any::Any;
 use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 thread_local! {
     static IN_KERNEL: Cell<bool> = const { Cell::new(false) };
@@ -118,14 +118,27 @@ impl CpuExecutable {
             kernel(&views, Workgroup { id, count, size });
         };
         let threads = self.shared.pool.current_num_threads();
-        let all = || match total {
-            0 => {}
-            1 => run(0),
-            _ => {
-                // Enough pieces to balance, few enough that a piece is worth a thread's while.
-                let least = (total as usize / (threads * 16)).max(1);
-                (0..total).into_par_iter().with_min_len(least).for_each(run);
+        // Enough pieces to balance, few enough that a piece is worth a thread's while.
+        let piece = (total as usize / (threads * 32)).max(1);
+        let pieces = (total as usize).div_ceil(piece);
+        let next = AtomicUsize::new(0);
+        let work = || {
+            loop {
+                // Nothing but the count is shared by it: what kernels wrote is seen by whom joins their threads.
+                let first = next.fetch_add(1, Ordering::Relaxed).saturating_mul(piece);
+                if first >= total as usize {
+                    break;
+                }
+                (first as u32..total.min((first + piece) as u32)).for_each(run);
             }
+        };
+        let all = || {
+            rayon::scope(|others| {
+                for _ in 1..threads.min(pieces) {
+                    others.spawn(|_| work());
+                }
+                work();
+            });
         };
         // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing
         // else is broken by it.

@@ -1,7 +1,7 @@
 //! Eight unit vectors: [`crate::shared::octahedral`] and the frames of [`crate::shared::sampling`], operation for operation.
 use std::arch::x86_64::*;
 
-use super::lanes::{Lanes3, dot, magnitude, negated, positive, scaled};
+use super::lanes::{Lanes3, difference, dot, either, magnitude, negated, positive, scaled, sum};
 
 /// `Vec3::normalize`.
 #[inline]
@@ -82,10 +82,10 @@ pub fn hemisphere(d: &Lanes3) -> [__m256; 2] {
     [unit(_mm256_add_ps(x, y)), unit(_mm256_sub_ps(x, y))]
 }
 
-/// [`crate::shared::sampling::to_local`].
+/// [`crate::shared::sampling::basis`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
+fn basis(n: &Lanes3) -> [Lanes3; 2] {
     let one = _mm256_set1_ps(1.0);
     let up = _mm256_cmp_ps::<_CMP_GE_OQ>(n[2], _mm256_setzero_ps());
     let sign = _mm256_blendv_ps(_mm256_set1_ps(-1.0), one, up);
@@ -102,5 +102,82 @@ pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
         _mm256_add_ps(sign, _mm256_mul_ps(_mm256_mul_ps(n[1], n[1]), a)),
         negated(n[1]),
     ];
+    [tangent, bitangent]
+}
+
+/// [`crate::shared::sampling::to_local`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
+    let [tangent, bitangent] = basis(n);
     [dot(world, &tangent), dot(world, &bitangent), dot(world, n)]
+}
+
+/// [`crate::shared::sampling::to_world`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
+    let [tangent, bitangent] = basis(n);
+    let flat = sum(&scaled(&tangent, local[0]), &scaled(&bitangent, local[1]));
+    normalized(&sum(&flat, &scaled(n, local[2])))
+}
+
+/// [`crate::shared::sampling::cosine_hemisphere`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn cosine_hemisphere(u: __m256, v: __m256) -> Lanes3 {
+    let radius = _mm256_sqrt_ps(u);
+    let [sin, cos] = sin_cos_turns(v);
+    let up = positive(_mm256_sub_ps(_mm256_set1_ps(1.0), u));
+    [
+        _mm256_mul_ps(radius, cos),
+        _mm256_mul_ps(radius, sin),
+        _mm256_sqrt_ps(up),
+    ]
+}
+
+/// [`crate::shared::portable::sin_cos_turns`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn sin_cos_turns(turns: __m256) -> [__m256; 2] {
+    let in_quarters = _mm256_mul_ps(_mm256_set1_ps(4.0), turns);
+    let quarters = _mm256_floor_ps(_mm256_add_ps(in_quarters, _mm256_set1_ps(0.5)));
+    let a = _mm256_mul_ps(
+        _mm256_sub_ps(in_quarters, quarters),
+        _mm256_set1_ps(std::f32::consts::FRAC_PI_2),
+    );
+    let a2 = _mm256_mul_ps(a, a);
+    let series = |terms: &[f32]| {
+        let add = |sum, &term: &f32| _mm256_add_ps(_mm256_set1_ps(term), _mm256_mul_ps(a2, sum));
+        terms[1..].iter().fold(_mm256_set1_ps(terms[0]), add)
+    };
+    let of_sin = series(&[-0.000_198_412_7, 0.008_333_333, -0.166_666_67, 1.0]);
+    let sin = _mm256_mul_ps(a, of_sin);
+    let cos = series(&[
+        0.000_024_801_588,
+        -0.001_388_888_9,
+        0.041_666_668,
+        -0.5,
+        1.0,
+    ]);
+    // From one quarter to the next the two change places, and one of them its sign.
+    let quarter = _mm256_cvttps_epi32(quarters);
+    let odd = _mm256_castsi256_ps(_mm256_slli_epi32::<31>(quarter));
+    let second = _mm256_castsi256_ps(_mm256_slli_epi32::<30>(quarter));
+    let sign = _mm256_set1_ps(-0.0);
+    let of_sin = _mm256_and_ps(second, sign);
+    let of_cos = _mm256_and_ps(_mm256_xor_ps(odd, second), sign);
+    [
+        _mm256_xor_ps(_mm256_blendv_ps(sin, cos, odd), of_sin),
+        _mm256_xor_ps(_mm256_blendv_ps(cos, sin, odd), of_cos),
+    ]
+}
+
+/// [`crate::shared::sampling::start`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn start(position: &Lanes3, n: &Lanes3, offset: __m256, direction: &Lanes3) -> Lanes3 {
+    let above = _mm256_cmp_ps::<_CMP_GE_OQ>(dot(n, direction), _mm256_setzero_ps());
+    let step = scaled(n, offset);
+    either(above, &sum(position, &step), &difference(position, &step))
 }

@@ -3,6 +3,10 @@
 #[cfg(target_arch = "x86_64")]
 mod directions;
 #[cfg(target_arch = "x86_64")]
+mod generate_rays;
+#[cfg(target_arch = "x86_64")]
+mod hashes;
+#[cfg(target_arch = "x86_64")]
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lookup;
@@ -15,6 +19,8 @@ mod sample_lights;
 #[cfg(target_arch = "x86_64")]
 mod select_pixels;
 #[cfg(target_arch = "x86_64")]
+mod shade_hits;
+#[cfg(target_arch = "x86_64")]
 mod update_depth;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -25,17 +31,20 @@ mod tests;
 #[cfg(not(target_arch = "x86_64"))]
 pub use {
     crate::stages::{
-        resolve_hits::resolve_each as resolve_hits, sample_lights::sample_each as sample_lights,
-        select_pixels::select_each as select_pixels, update_depth::update_each as update_depth,
+        generate_rays::generate_each as generate_rays, resolve_hits::resolve_each as resolve_hits,
+        sample_lights::sample_each as sample_lights, select_pixels::select_each as select_pixels,
+        update_depth::update_each as update_depth,
     },
     lookup_scalar::Lookup,
 };
 #[cfg(target_arch = "x86_64")]
 pub use {
+    generate_rays::generate_rays,
     lookup::Lookup,
     resolve::resolve_hits,
     sample_lights::sample_lights,
     select_pixels::select_pixels,
+    shade_hits::shade_hits,
     update_depth::update_depth,
     x86::{Avx2, prefetch},
 };

@@ -7,6 +7,7 @@ use crate::shared::{guide, hash, mixture, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
+use std::ops::Range;
 
 stage! {
     /// Draws each surfel's rays with density `cos / pi` (GIBS, "Importance Sampling the BRDF") from its own shifted
@@ -34,10 +35,54 @@ stage! {
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    let range = group.range(p.poses.len() as u32);
+    simd::generate_rays(&surfels(p), range, setter(p));
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let range = group.range(p.poses.len() as u32);
+    generate_each(&surfels(p), range, setter(p));
+}
+
+fn setter(p: &Views<'_>) -> impl FnMut(usize, Ray, Path) {
+    move |i, ray, path| {
+        p.rays.set(i, ray);
+        p.paths.set(i, path);
+    }
+}
+
+fn surfels<'a>(p: &Views<'a>) -> Surfels<'a> {
+    Surfels {
+        frame: p.frame,
+        settings: p.settings,
+        poses: p.poses.slice(),
+        births: p.births.slice(),
+        irradiance: p.irradiance.slice(),
+        offsets: p.offsets.slice(),
+        emitters: p.emitters.slice(),
+        guides: p.guides.slice(),
+    }
+}
+
+/// What rays are drawn from.
+#[derive(Clone, Copy)]
+pub struct Surfels<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Settings.
+    pub settings: &'a SurfelSettings,
+    /// Where surfels are.
+    pub poses: &'a [SurfelPose],
+    /// As they were born.
+    pub births: &'a [SurfelBirth],
+    /// How many rays each has drawn.
+    pub irradiance: &'a [SurfelIrradiance],
+    /// First ray of each, and one more.
+    pub offsets: &'a [u32],
+    /// Emissive triangles; empty in a frame without.
+    pub emitters: &'a [Emitter],
+    /// Guides; empty in a frame without.
+    pub guides: &'a [SurfelGuide],
 }
 
 /// A guide in use.
@@ -61,10 +106,11 @@ impl<'a> Guide<'a> {
     }
 }
 
+/// Calls `set` with the rays of a range of surfels, by their index, and the path that each begins.
 #[inline(always)]
-fn kernel(p: &Views<'_>, group: Workgroup) {
+pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     let emitters = !p.emitters.is_empty();
-    for i in group.range(p.poses.len() as u32) {
+    for i in range {
         let (first, last) = (p.offsets[i], p.offsets[i + 1]);
         let pose = &p.poses[i];
         let surfel = hash::hash2(pose.identity, p.frame.seed);
@@ -78,7 +124,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
             let uv = sampling::r2(index, shift);
             let drawn = if emitters && mixture::goes_to_emitter(index, hash::hash2(surfel, 2)) {
-                let drawn = mixture::to_emitter(&p.emitters, pose.position, pose.normal, uv, seed);
+                let drawn = mixture::to_emitter(p.emitters, pose.position, pose.normal, uv, seed);
                 match &guide {
                     Some(guide) if drawn.cosine > 0.0 => mixture::Drawn {
                         density: -guide.density(
@@ -107,7 +153,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             };
             let direction = drawn.direction;
             let origin = sampling::start(pose.position, pose.normal, p.births[i].offset, direction);
-            p.rays.set(
+            set(
                 ray as usize,
                 Ray {
                     origin,
@@ -115,9 +161,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                     direction,
                     t_max: drawn.t_max,
                 },
-            );
-            p.paths.set(
-                ray as usize,
                 Path {
                     throughput: Vec3::ONE,
                     root: ray,

@@ -2,9 +2,11 @@
 use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, Gathered, Path, Ray, SurfacePoint};
 use crate::shared::{emitter, environment, hash, mixture, octahedral, surface};
+use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::Vec4;
 use std::f32::consts::FRAC_1_PI;
+use std::ops::Range;
 
 stage! {
     /// Adds to each path's root: the sky for a miss; else emission, and albedo over pi times the direct irradiance and
@@ -28,13 +30,74 @@ stage! {
             write goes_on: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
+}
+
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let range = group.range(p.batch.count);
+    simd::shade_hits(&hits(p), range, |i| p.paths.get(i), setter(p));
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let range = group.range(p.batch.count);
+    shade_each(&hits(p), range, |i| p.paths.get(i), setter(p));
+}
+
+fn setter(p: &Views<'_>) -> impl FnMut(usize, Shaded) {
+    move |i, shaded| {
+        if let Some(path) = shaded.goes_on {
+            p.paths.set(i, path);
+        }
+        p.goes_on.set(i, u32::from(shaded.goes_on.is_some()));
+        let root = shaded.root as usize;
+        let sum = p.radiance.get(root);
+        p.radiance.set(root, sum + shaded.added);
+    }
+}
+
+fn hits<'a>(p: &Views<'a>) -> Hits<'a> {
+    Hits {
+        frame: p.frame,
+        rays: p.rays.slice(),
+        points: p.points.slice(),
+        direct: p.direct.slice(),
+        gathered: p.gathered.slice(),
+        environment: p.environment.slice(),
+    }
+}
+
+/// What is known where rays hit.
+#[derive(Clone, Copy)]
+pub struct Hits<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// The rays.
+    pub rays: &'a [Ray],
+    /// Where they hit.
+    pub points: &'a [SurfacePoint],
+    /// Direct irradiance there; empty in a frame without.
+    pub direct: &'a [Vec4],
+    /// Irradiance of the surfels there.
+    pub gathered: &'a [Gathered],
+    /// The sky; empty in a frame without.
+    pub environment: &'a [Vec4],
+}
+
+/// What comes of a segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaded {
+    /// Ray of the surfel that the path began with.
+    pub root: u32,
+    /// What that one brings more; the last number is zero.
+    pub added: Vec4,
+    /// The path, where it goes on.
+    pub goes_on: Option<Path>,
 }
 
 /// What the segment counts, by how its ray was drawn.
 #[inline]
-fn factor(frame: &Frame, path: &Path, ray: &Ray, point: &SurfacePoint) -> f32 {
+pub fn factor(frame: &Frame, path: &Path, ray: &Ray, point: &SurfacePoint) -> f32 {
     let is_emitter = surface::is_surface(point) && point.albedo_b_flags & surface::EMITTER != 0;
     let d = point.position - ray.origin;
     let distance = d.dot(d).sqrt();
@@ -50,19 +113,26 @@ fn factor(frame: &Frame, path: &Path, ray: &Ray, point: &SurfacePoint) -> f32 {
     mixture::weight(path.cosine, path.density.abs(), drawn_there)
 }
 
-fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.batch.count) {
-        let path = p.paths.get(i);
-        let point = &p.points[i];
-        let factor = factor(p.frame, &path, &p.rays[i], point);
-        let mut goes_on = 0;
+/// Calls `set` with each index of a range and what comes of this segment.
+#[inline]
+pub fn shade_each(
+    hits: &Hits<'_>,
+    range: Range<usize>,
+    path: impl Fn(usize) -> Path,
+    mut set: impl FnMut(usize, Shaded),
+) {
+    for i in range {
+        let path = path(i);
+        let (ray, point) = (&hits.rays[i], &hits.points[i]);
+        let factor = factor(hits.frame, &path, ray, point);
+        let mut goes_on = None;
         let added = if surface::is_surface(point) {
             let albedo = surface::albedo(point);
-            let gathered = &p.gathered[i];
+            let gathered = &hits.gathered[i];
             let largest = albedo.max_element();
             let seed = hash::pcg(path.seed);
             let trusted = gathered.weight * gathered.confidence;
-            let mut arriving = direct_irradiance(&p.direct, i);
+            let mut arriving = direct_irradiance(hits.direct, i);
             if path.remaining == 0 {
                 // The path ends here: all that the surfels know, and the cell's average for what they leave.
                 arriving += gathered.irradiance + gathered.average * (1.0 - gathered.weight);
@@ -70,28 +140,23 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 arriving += gathered.irradiance * gathered.confidence;
             }
             if path.remaining != 0 && factor > 0.0 && hash::unit(seed) < (1.0 - trusted) * largest {
-                goes_on = 1;
-                p.paths.set(
-                    i,
-                    Path {
-                        throughput: path.throughput * factor * albedo / largest,
-                        seed,
-                        ..path
-                    },
-                );
+                goes_on = Some(Path {
+                    throughput: path.throughput * factor * albedo / largest,
+                    seed,
+                    ..path
+                });
             }
             point.emission + albedo * FRAC_1_PI * arriving
         } else {
-            environment::radiance(
-                &p.environment,
-                p.frame.environment_side,
-                p.rays[i].direction,
-            )
+            environment::radiance(hits.environment, hits.frame.environment_side, ray.direction)
         };
-        let root = path.root as usize;
-        let sum = p.radiance.get(root);
-        p.radiance
-            .set(root, sum + (path.throughput * factor * added).extend(0.0));
-        p.goes_on.set(i, goes_on);
+        set(
+            i,
+            Shaded {
+                root: path.root,
+                added: (path.throughput * factor * added).extend(0.0),
+                goes_on,
+            },
+        );
     }
 }

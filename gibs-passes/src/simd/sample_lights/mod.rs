@@ -7,10 +7,11 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use super::Avx2;
-use super::directions::unpack;
+use super::directions::{start, unpack};
+use super::hashes::{hash3, unit};
 use super::lanes::{
     Lanes3, columns, difference, divided, dot, either, inverted, is_word, loaded_words, negated,
-    positive, scaled, store_columns, store_rows, stored_words, sum,
+    positive, scaled, store_columns, store_rows, stored_words,
 };
 use crate::data::{Frame, Light, LightSample, NONE, Ray, SurfacePoint};
 use crate::stages::sample_lights::{REACH, sample_each};
@@ -118,10 +119,7 @@ fn drawn(frame: &Frame, each: u32, position: &Lanes3, choice: __m256i) -> __m256
     let [x, y, z] = position.map(|c| _mm256_castps_si256(c));
     let of_frame = _mm256_set1_epi32(hash::hash2(frame.number, frame.seed) as i32);
     let bits = hash3(hash3(x, y, z), of_frame, choice);
-    let u = _mm256_mul_ps(
-        _mm256_cvtepi32_ps(_mm256_srli_epi32::<8>(bits)),
-        _mm256_set1_ps(1.0 / 16_777_216.0),
-    );
+    let u = unit(bits);
     let share = _mm256_div_ps(
         _mm256_add_ps(_mm256_cvtepi32_ps(choice), u),
         _mm256_set1_ps(each as f32),
@@ -132,39 +130,6 @@ fn drawn(frame: &Frame, each: u32, position: &Lanes3, choice: __m256i) -> __m256
         _mm256_cvttps_epi32(stratum),
         _mm256_set1_epi32(frame.lights as i32 - 1),
     )
-}
-
-/// [`crate::shared::hash::hash3`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn hash3(a: __m256i, b: __m256i, c: __m256i) -> __m256i {
-    let inner = pcg(_mm256_add_epi32(b, pcg(c)));
-    pcg(_mm256_add_epi32(a, pcg(inner)))
-}
-
-/// [`crate::shared::hash::pcg`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn pcg(value: __m256i) -> __m256i {
-    let state = _mm256_add_epi32(
-        _mm256_mullo_epi32(value, _mm256_set1_epi32(747_796_405)),
-        _mm256_set1_epi32(2_891_336_453_u32 as i32),
-    );
-    let by = _mm256_add_epi32(_mm256_srli_epi32::<28>(state), _mm256_set1_epi32(4));
-    let word = _mm256_mullo_epi32(
-        _mm256_xor_si256(_mm256_srlv_epi32(state, by), state),
-        _mm256_set1_epi32(277_803_737),
-    );
-    _mm256_xor_si256(_mm256_srli_epi32::<22>(word), word)
-}
-
-/// [`crate::shared::sampling::start`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn start(position: &Lanes3, n: &Lanes3, offset: __m256, direction: &Lanes3) -> Lanes3 {
-    let above = _mm256_cmp_ps::<_CMP_GE_OQ>(dot(n, direction), _mm256_setzero_ps());
-    let step = scaled(n, offset);
-    either(above, &sum(position, &step), &difference(position, &step))
 }
 
 /// Eight lights, in columns.
