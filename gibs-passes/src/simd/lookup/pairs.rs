@@ -5,6 +5,7 @@
 //! asked for a step before.
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
 
 use super::super::lanes::stored;
 use super::super::prefetch;
@@ -13,6 +14,7 @@ use super::bounds::Point;
 use super::eight;
 use super::poses::Poses;
 use crate::shared::lists::Surfels;
+use bytemuck::Pod;
 
 /// Pairs in a line before they go on.
 const FULL: usize = 256;
@@ -20,11 +22,21 @@ const FULL: usize = 256;
 /// Room in a line: the last ones to come may be eight, in eight words more.
 const ROOM: usize = FULL + 16;
 
-/// Pairs of surfel and point, in the order of the points and, for each, of its list, and the weight of each.
+/// Pairs of surfel and point, in the order of the points and, for each, of its list, and the weight of each. What has not
+/// been written is not read: clearing the whole line for every sixteen points would take longer than what is done with it.
 struct Line {
-    surfels: [u32; ROOM],
-    points: [u32; ROOM],
-    weights: [f32; ROOM],
+    surfels: [MaybeUninit<u32>; ROOM],
+    points: [MaybeUninit<u32>; ROOM],
+    weights: [MaybeUninit<f32>; ROOM],
+    count: usize,
+}
+
+/// Eight pairs of a line.
+struct Eight {
+    surfels: [u32; 8],
+    points: [u32; 8],
+    weights: [f32; 8],
+    /// How many of them there are; the others are of surfel and point 0.
     count: usize,
 }
 
@@ -46,24 +58,47 @@ static SET: [u64; 256] = {
     all
 };
 
-/// The eight elements from `start` on.
-#[inline(always)]
-fn from<T>(line: &[T; ROOM], start: usize) -> &[T; 8] {
-    match line[start..].first_chunk() {
-        Some(eight) => eight,
-        None => unreachable!("eight elements of {ROOM} from {start} on"),
-    }
-}
-
 impl Line {
     #[inline(always)]
     fn new() -> Self {
         Self {
-            surfels: [0; ROOM],
-            points: [0; ROOM],
-            weights: [0.0; ROOM],
+            surfels: [const { MaybeUninit::uninit() }; ROOM],
+            points: [const { MaybeUninit::uninit() }; ROOM],
+            weights: [const { MaybeUninit::uninit() }; ROOM],
             count: 0,
         }
+    }
+
+    /// Calls `each` with all pairs, eight at a time, and empties the line.
+    #[inline(always)]
+    fn take(&mut self, mut each: impl FnMut(Eight)) {
+        fn from<T: Pod>(line: &[MaybeUninit<T>; ROOM], start: usize) -> [T; 8] {
+            // SAFETY: `take` has room for eight from there on, all of which have been written: by `append` below the
+            // count, by `take` beyond it.
+            unsafe { line.as_ptr().add(start).cast::<[T; 8]>().read_unaligned() }
+        }
+        let end = self.count;
+        assert!(end + 8 <= ROOM, "{end} pairs in a line of {ROOM}");
+        self.surfels[end..end + 8].fill(MaybeUninit::new(0));
+        self.points[end..end + 8].fill(MaybeUninit::new(0));
+        self.weights[end..end + 8].fill(MaybeUninit::new(0.0));
+        for start in (0..end).step_by(8) {
+            each(Eight {
+                surfels: from(&self.surfels, start),
+                points: from(&self.points, start),
+                weights: from(&self.weights, start),
+                count: (end - start).min(8),
+            });
+        }
+        self.count = 0;
+    }
+
+    /// The surfels.
+    #[inline(always)]
+    fn surfels(&self) -> impl Iterator<Item = usize> {
+        // SAFETY: `append` has written what is below the count.
+        let written = |surfel: &MaybeUninit<u32>| unsafe { surfel.assume_init() } as usize;
+        self.surfels[..self.count].iter().map(written)
     }
 
     /// Appends those pairs of eight that a mask names.
@@ -84,7 +119,7 @@ impl Line {
             let points = _mm256_permutevar8x32_epi32(points, set);
             _mm256_storeu_si256(to.1.as_mut_ptr().cast(), points);
             let weights = _mm256_permutevar8x32_ps(weights, set);
-            _mm256_storeu_ps(to.2.as_mut_ptr(), weights);
+            _mm256_storeu_ps(to.2.as_mut_ptr().cast(), weights);
         }
         self.count += (mask & 0xff).count_ones() as usize;
     }
@@ -131,32 +166,31 @@ fn weigh(
     s: &Surfels<'_>,
     soon: &impl Fn(usize),
 ) {
-    for &id in &near.surfels[..near.count] {
-        prefetch(s.poses, id as usize);
+    for id in near.surfels() {
+        prefetch(s.poses, id);
     }
-    for start in (0..near.count).step_by(8) {
-        let (surfels, points) = (from(&near.surfels, start), from(&near.points, start));
-        // SAFETY: this function is compiled for AVX2; the loads read eight words each and need no alignment.
-        unsafe {
-            let poses = Poses::load(s.poses, surfels);
-            let places = Poses::load(&batch.points, points);
-            let falloff = poses.falloff(&poses.to(&places.position));
-            let weight = _mm256_mul_ps(falloff, poses.alignment(&places.normal));
-            let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
-            // What stands behind the last pair was one before, or is surfel 0.
-            let there = (1 << (near.count - start).min(8)) - 1;
-            weighty.append(
-                _mm256_movemask_ps(some) as u32 & there,
-                _mm256_loadu_si256(surfels.as_ptr().cast()),
-                _mm256_loadu_si256(points.as_ptr().cast()),
-                weight,
-            );
-        }
-    }
-    near.count = 0;
-    for &id in &weighty.surfels[..weighty.count] {
-        prefetch(s.depths, id as usize);
-        soon(id as usize);
+    near.take(
+        #[inline(always)]
+        |pairs| {
+            // SAFETY: this function is compiled for AVX2; the loads read eight words each and need no alignment.
+            unsafe {
+                let poses = Poses::load(s.poses, &pairs.surfels);
+                let places = Poses::load(&batch.points, &pairs.points);
+                let falloff = poses.falloff(&poses.to(&places.position));
+                let weight = _mm256_mul_ps(falloff, poses.alignment(&places.normal));
+                let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
+                weighty.append(
+                    _mm256_movemask_ps(some) as u32 & ((1 << pairs.count) - 1),
+                    _mm256_loadu_si256(pairs.surfels.as_ptr().cast()),
+                    _mm256_loadu_si256(pairs.points.as_ptr().cast()),
+                    weight,
+                );
+            }
+        },
+    );
+    for id in weighty.surfels() {
+        prefetch(s.depths, id);
+        soon(id);
     }
 }
 
@@ -169,21 +203,23 @@ fn finish(
     s: &Surfels<'_>,
     each: &mut impl FnMut(usize, usize, f32),
 ) {
-    for start in (0..weighty.count).step_by(8) {
-        let (surfels, points) = (from(&weighty.surfels, start), from(&weighty.points, start));
-        let mut weights = *from(&weighty.weights, start);
-        if !s.depths.is_empty() {
-            // SAFETY: this function is compiled for AVX2; the load reads eight floats and needs no alignment.
-            weights = unsafe {
-                let poses = Poses::load(s.poses, surfels);
-                let places = Poses::load(&batch.points, points);
-                let share = poses.visibility(s.depths, surfels, &places.position);
-                stored(_mm256_mul_ps(_mm256_loadu_ps(weights.as_ptr()), share))
-            };
-        }
-        for lane in 0..(weighty.count - start).min(8) {
-            each(points[lane] as usize, surfels[lane] as usize, weights[lane]);
-        }
-    }
-    weighty.count = 0;
+    weighty.take(
+        #[inline(always)]
+        |pairs| {
+            let mut weights = pairs.weights;
+            if !s.depths.is_empty() {
+                // SAFETY: this function is compiled for AVX2; the load reads eight floats and needs no alignment.
+                weights = unsafe {
+                    let poses = Poses::load(s.poses, &pairs.surfels);
+                    let places = Poses::load(&batch.points, &pairs.points);
+                    let share = poses.visibility(s.depths, &pairs.surfels, &places.position);
+                    stored(_mm256_mul_ps(_mm256_loadu_ps(weights.as_ptr()), share))
+                };
+            }
+            for lane in 0..pairs.count {
+                let (point, surfel) = (pairs.points[lane], pairs.surfels[lane]);
+                each(point as usize, surfel as usize, weights[lane]);
+            }
+        },
+    );
 }

@@ -107,7 +107,12 @@ fn shaded(
     let to_emitter = _mm256_cmp_ps::<_CMP_LT_OQ>(density, zero);
     let mut counts = _mm256_andnot_ps(to_emitter, _mm256_and_ps(share, some));
     let flags = _mm256_castps_si256(albedo_b_flags);
-    let emitters = _mm256_and_ps(is_surface, has_any(flags, surface::EMITTER));
+    let bright = |c| _mm256_cmp_ps::<_CMP_NEQ_UQ>(c, zero);
+    let shines = _mm256_or_ps(_mm256_or_ps(bright(er), bright(eg)), bright(eb));
+    // Nobody draws what is dark.
+    let is_drawn = _mm256_or_ps(shines, to_emitter);
+    let emitters = _mm256_and_ps(is_drawn, has_any(flags, surface::EMITTER));
+    let emitters = _mm256_and_ps(emitters, is_surface);
     if _mm256_movemask_ps(emitters) != 0 {
         let mut each = stored(counts);
         lanes(emitters, |lane| {
