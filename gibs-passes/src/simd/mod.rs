@@ -1,6 +1,8 @@
 //! CPU kernels for processors with wider registers than the compiler may assume. Each is the twin of a scalar function
 //! and gives its results to the bit; which one runs is decided when the program runs.
 #[cfg(target_arch = "x86_64")]
+mod continue_paths;
+#[cfg(target_arch = "x86_64")]
 mod directions;
 #[cfg(target_arch = "x86_64")]
 mod generate_rays;
@@ -31,6 +33,7 @@ mod tests;
 #[cfg(not(target_arch = "x86_64"))]
 pub use {
     crate::stages::{
+        continue_paths::continue_each as continue_paths,
         generate_rays::generate_each as generate_rays, resolve_hits::resolve_each as resolve_hits,
         sample_lights::sample_each as sample_lights, select_pixels::select_each as select_pixels,
         update_depth::update_each as update_depth,
@@ -39,6 +42,7 @@ pub use {
 };
 #[cfg(target_arch = "x86_64")]
 pub use {
+    continue_paths::continue_paths,
     generate_rays::generate_rays,
     lookup::Lookup,
     resolve::resolve_hits,

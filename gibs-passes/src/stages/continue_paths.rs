@@ -1,7 +1,9 @@
 //! `persistent/continue_paths`: the next segment of each path that goes on.
 use crate::data::{Emitter, Path, Ray, SurfacePoint};
 use crate::shared::{hash, mixture, octahedral, sampling};
+use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
+use std::ops::Range;
 
 stage! {
     /// Packs the paths that go on, in order, and draws each a ray over the cosine lobe of the surface where it is, or to
@@ -20,16 +22,55 @@ stage! {
             write next_paths: Path,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
     }
 }
 
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    simd::continue_paths(&paths(p), group.range(p.batch.count), setter(p));
+}
+
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    continue_each(&paths(p), group.range(p.batch.count), setter(p));
+}
+
+fn setter(p: &Views<'_>) -> impl FnMut(usize, Ray, Path) {
+    move |slot, ray, path| {
+        p.next_rays.set(slot, ray);
+        p.next_paths.set(slot, path);
+    }
+}
+
+fn paths<'a>(p: &Views<'a>) -> Paths<'a> {
+    Paths {
+        points: p.points.slice(),
+        paths: p.paths.slice(),
+        goes_on: p.goes_on.slice(),
+        scanned: p.scanned.slice(),
+        emitters: p.emitters.slice(),
+    }
+}
+
+/// Paths of which some go on.
+#[derive(Clone, Copy)]
+pub struct Paths<'a> {
+    /// Where they are.
+    pub points: &'a [SurfacePoint],
+    /// The paths.
+    pub paths: &'a [Path],
+    /// Not zero for those that go on.
+    pub goes_on: &'a [u32],
+    /// Place of each of those among them.
+    pub scanned: &'a [u32],
+    /// Emissive triangles; empty in a frame without.
+    pub emitters: &'a [Emitter],
+}
+
+/// Calls `set` with the place, the next ray and the next state of each path of a range that goes on.
+#[inline]
+pub fn continue_each(p: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     let emitters = !p.emitters.is_empty();
-    for i in group.range(p.batch.count) {
-        if p.goes_on[i] == 0 {
-            continue;
-        }
+    for i in range.filter(|&i| p.goes_on[i] != 0) {
         let (point, path) = (&p.points[i], &p.paths[i]);
         let first = hash::pcg(path.seed);
         let second = hash::pcg(first);
@@ -37,32 +78,25 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let normal = octahedral::unpack(point.shading_normal);
         let uv = (hash::unit(first), hash::unit(second));
         let drawn = if emitters && hash::unit(third) < mixture::TO_EMITTERS {
-            mixture::to_emitter(&p.emitters, point.position, normal, uv, second)
+            mixture::to_emitter(p.emitters, point.position, normal, uv, second)
         } else {
             mixture::over_the_lobe(normal, uv, emitters)
         };
         let direction = drawn.direction;
         let geometric = octahedral::unpack(point.geometric_normal);
-        let origin = sampling::start(point.position, geometric, point.offset, direction);
-        let slot = p.scanned[i] as usize;
-        p.next_rays.set(
-            slot,
-            Ray {
-                origin,
-                t_min: 0.0,
-                direction,
-                t_max: drawn.t_max,
-            },
-        );
-        p.next_paths.set(
-            slot,
-            Path {
-                seed: third,
-                remaining: path.remaining - 1,
-                cosine: drawn.cosine,
-                density: drawn.density,
-                ..*path
-            },
-        );
+        let ray = Ray {
+            origin: sampling::start(point.position, geometric, point.offset, direction),
+            t_min: 0.0,
+            direction,
+            t_max: drawn.t_max,
+        };
+        let path = Path {
+            seed: third,
+            remaining: path.remaining - 1,
+            cosine: drawn.cosine,
+            density: drawn.density,
+            ..*path
+        };
+        set(p.scanned[i] as usize, ray, path);
     }
 }

@@ -1,0 +1,94 @@
+//! Next segments of paths, eight at a time: [`crate::stages::continue_paths::continue_each`], operation for operation.
+#![allow(unsafe_code)]
+#[cfg(test)]
+mod tests;
+
+use std::arch::x86_64::*;
+use std::f32::consts::FRAC_1_PI;
+use std::ops::Range;
+
+use super::directions::{cosine_hemisphere, start, to_world, unpack};
+use super::hashes::{pcg, unit};
+use super::lanes::{columns, positive, store_rows};
+use super::{Avx2, prefetch};
+use crate::data::{Path, Ray};
+use crate::stages::continue_paths::{Paths, continue_each};
+use bytemuck::Zeroable;
+
+/// Paths that are looked through at once.
+const BATCH: usize = 64;
+
+/// Same as [`continue_each`], to which emitters, that most scenes do not have, are left.
+#[inline]
+pub fn continue_paths(paths: &Paths<'_>, range: Range<usize>, set: impl FnMut(usize, Ray, Path)) {
+    match Avx2::detect() {
+        // SAFETY: there is a proof that the processor has the features.
+        Some(Avx2 { .. }) if paths.emitters.is_empty() => unsafe {
+            continue_wide(paths, range, set)
+        },
+        _ => continue_each(paths, range, set),
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn continue_wide(paths: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
+    for first in range.clone().step_by(BATCH) {
+        let mut going = [0; BATCH];
+        let mut count = 0;
+        for i in first..range.end.min(first + BATCH) {
+            going[count % BATCH] = i;
+            if paths.goes_on[i] != 0 {
+                prefetch(paths.points, i);
+                prefetch(paths.paths, i);
+                count += 1;
+            }
+        }
+        for start in (0..count).step_by(8) {
+            // The last eight are filled up with the last of all.
+            let ids = std::array::from_fn(|lane| going[(start + lane).min(count - 1)]);
+            let (rays, next) = continued(paths, &ids);
+            let made = ids.iter().zip(rays.iter().zip(&next));
+            for (&i, (&ray, &path)) in made.take(count - start) {
+                set(paths.scanned[i] as usize, ray, path);
+            }
+        }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
+    let points = ids.map(|i| &paths.points[i]);
+    let before = ids.map(|i| &paths.paths[i]);
+    let [x, y, z, offset] = columns::<0, _>(&points);
+    let [geometric, shading, _, _] = columns::<4, _>(&points);
+    let [r, g, b, root] = columns::<0, _>(&before);
+    let [seed, remaining, _, _] = columns::<4, _>(&before);
+    let first = pcg(_mm256_castps_si256(seed));
+    let second = pcg(first);
+    let third = pcg(second);
+    let local = cosine_hemisphere(unit(first), unit(second));
+    let direction = to_world(&local, &unpack(shading));
+    let [x, y, z] = start(&[x, y, z], &unpack(geometric), offset, &direction);
+    let mut rays = [Ray::zeroed(); 8];
+    let far = _mm256_set1_ps(f32::MAX);
+    store_rows(
+        &mut rays,
+        &[x, y, z, _mm256_setzero_ps()],
+        &[direction[0], direction[1], direction[2], far],
+    );
+    let left = _mm256_sub_epi32(_mm256_castps_si256(remaining), _mm256_set1_epi32(1));
+    let density = _mm256_mul_ps(positive(local[2]), _mm256_set1_ps(FRAC_1_PI));
+    let mut next = [Path::zeroed(); 8];
+    store_rows(
+        &mut next,
+        &[r, g, b, root],
+        &[
+            _mm256_castsi256_ps(third),
+            _mm256_castsi256_ps(left),
+            local[2],
+            density,
+        ],
+    );
+    (rays, next)
+}
