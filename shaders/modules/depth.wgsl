@@ -23,7 +23,8 @@ fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
     return (top * (1.0 - f.y) + bottom * f.y) * LOOKUP_MOMENT_SCALE;
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. Of what lies beyond the diameter that
+/// knows nothing: what is open up to there counts as open.
 fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     let distance = vector_length(d);
     // Nothing fits between a surfel's centre and a point this close.
@@ -32,5 +33,5 @@ fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     }
     let local = sampling_to_local(d / distance, pose.normal);
     let clamped = vec3<f32>(local.xy, max(local.z, 0.0));
-    return lookup_chebyshev(depth_moments(surfel, clamped), distance / (2.0 * pose.radius));
+    return lookup_chebyshev(depth_moments(surfel, clamped), min(distance / (2.0 * pose.radius), 1.0));
 }

@@ -3,7 +3,7 @@
 import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
-import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff};
+import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff, lookup_leaning};
 import package::types::{Gathered, SurfelPose};
 
 @if(depths)
@@ -66,7 +66,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
     for (var i = 0u; i < min(count, LOOKUP_AVERAGE_OF); i++) {
         let id = entries[cell.x + i];
         let pose = poses[id];
-        var weight = lookup_alignment(normal, pose);
+        var weight = lookup_leaning(normal, pose);
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }

@@ -94,6 +94,12 @@ fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
     return LOOKUP_PEAK * k * k;
 }
 
+/// Normal factor of a surfel for a cell's average, which takes what there is where nothing fits.
+fn lookup_leaning(normal: vec3<f32>, pose: SurfelPose) -> f32 {
+    let c = max(vector_dot(normal, pose.normal), 0.0);
+    return c * c;
+}
+
 /// Normal factor of a surfel for a point.
 fn lookup_alignment(normal: vec3<f32>, pose: SurfelPose) -> f32 {
     let c = max(vector_dot(normal, pose.normal), 0.0);

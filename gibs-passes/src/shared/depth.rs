@@ -110,7 +110,8 @@ pub fn chebyshev(m: Vec2, t: f32) -> f32 {
     tight * tight * tight
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. Of what lies beyond the diameter that
+/// knows nothing: what is open up to there counts as open.
 #[inline]
 pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
@@ -122,7 +123,7 @@ pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
     chebyshev(
         depth_moments(depth, clamped),
-        distance / (2.0 * pose.radius),
+        (distance / (2.0 * pose.radius)).min(1.0),
     )
 }
 

@@ -61,6 +61,14 @@ pub fn alignment(normal: Vec3, pose: &SurfelPose) -> f32 {
     fourth * fourth
 }
 
+/// Normal factor of a surfel for a cell's average, which takes what there is where nothing fits: with [`alignment`] foliage,
+/// whose normals go anywhere, would find nothing, and be dark.
+#[inline]
+pub fn leaning(normal: Vec3, pose: &SurfelPose) -> f32 {
+    let c = normal.dot(pose.normal).max(0.0);
+    c * c
+}
+
 /// A point that is looked up.
 #[derive(Clone, Copy)]
 pub struct Place<'a> {
@@ -250,7 +258,7 @@ pub fn gather(
     for &id in &list.ids[..list.ids.len().min(AVERAGE_OF)] {
         let id = id as usize;
         let pose = &s.poses[id];
-        let mut weight = alignment(normal, pose);
+        let mut weight = leaning(normal, pose);
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }

@@ -232,7 +232,7 @@ fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight])
     // SAFETY: this function is compiled for AVX2.
     let (weight, mask) = unsafe {
         let poses = Poses::load(s.poses, &ids);
-        let weight = poses.alignment(&normal);
+        let weight = poses.leaning(&normal);
         let (weight, mask) = weighed(s, &ids, count, &poses, weight, &point);
         (stored(weight), mask)
     };

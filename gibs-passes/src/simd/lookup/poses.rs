@@ -129,6 +129,14 @@ impl Poses {
         _mm256_mul_ps(fourth, fourth)
     }
 
+    /// [`lookup::leaning`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn leaning(&self, normal: &Lanes3) -> __m256 {
+        let c = positive(dot(normal, &self.normal));
+        _mm256_mul_ps(c, c)
+    }
+
     /// [`depth::visibility`].
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -144,6 +152,8 @@ impl Poses {
         ];
         let m = moments(depths, ids, &to_local(&direction, &self.normal));
         let t = _mm256_div_ps(distance, _mm256_mul_ps(_mm256_set1_ps(2.0), self.radius));
+        // The second operand is taken where the first is not a number, as by `f32::min`.
+        let t = _mm256_min_ps(t, _mm256_set1_ps(1.0));
         let share = chebyshev(&m, t);
         _mm256_blendv_ps(share, _mm256_set1_ps(1.0), touching)
     }
