@@ -5,6 +5,9 @@ import package::sampling::sampling_to_local;
 import package::types::SurfelPose;
 import package::vector::vector_length;
 
+/// Any number of diameters.
+const DEPTH_ANY: f32 = 3.4028234e38;
+
 fn depth_texel(surfel: u32, x: f32, y: f32) -> vec2<f32> {
     let last = f32(LOOKUP_DEPTH_SIDE) - 1.0;
     let column = u32(clamp(x, 0.0, last));
@@ -23,9 +26,19 @@ fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
     return (top * (1.0 - f.y) + bottom * f.y) * LOOKUP_MOMENT_SCALE;
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. Of what lies beyond the diameter that
-/// knows nothing: what is open up to there counts as open.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function; nothing beyond the diameter, of which
+/// that knows nothing.
 fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return depth_visibility_within(DEPTH_ANY, surfel, pose, d);
+}
+
+/// `depth_visibility` of a point beyond the diameter too: what is open up to there counts as open.
+fn depth_openness(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return depth_visibility_within(1.0, surfel, pose, d);
+}
+
+/// `depth_visibility` of what is at most so many diameters away; what is farther, as if it were there.
+fn depth_visibility_within(most: f32, surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     let distance = vector_length(d);
     // Nothing fits between a surfel's centre and a point this close.
     if distance < 0.02 * pose.radius {
@@ -33,5 +46,5 @@ fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     }
     let local = sampling_to_local(d / distance, pose.normal);
     let clamped = vec3<f32>(local.xy, max(local.z, 0.0));
-    return lookup_chebyshev(depth_moments(surfel, clamped), min(distance / (2.0 * pose.radius), 1.0));
+    return lookup_chebyshev(depth_moments(surfel, clamped), min(distance / (2.0 * pose.radius), most));
 }

@@ -1,7 +1,7 @@
 // Irradiance from the surfels around a point. Reads the stage's globals `cells`, `entries`, `poses`, `light`, `grid`
 // and `settings`; `depths` only where the stage binds it.
 import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
-@if(depths) import package::depth::depth_visibility;
+@if(depths) import package::depth::{depth_openness, depth_visibility};
 import package::grid::grid_cell;
 import package::lookup::{LOOKUP_AVERAGE_LEAST, LOOKUP_AVERAGE_OF, LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff, lookup_leaning};
 import package::types::{Gathered, SurfelPose};
@@ -12,6 +12,15 @@ fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
 }
 @else
 fn gather_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return 1.0;
+}
+
+@if(depths)
+fn gather_openness(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    return depth_openness(id, pose, d);
+}
+@else
+fn gather_openness(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return 1.0;
 }
 
@@ -70,7 +79,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
-        weight *= gather_share(id, pose, point - pose.position);
+        weight *= gather_openness(id, pose, point - pose.position);
         if weight < LOOKUP_LEAST_WEIGHT {
             continue;
         }

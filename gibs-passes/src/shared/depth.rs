@@ -110,10 +110,22 @@ pub fn chebyshev(m: Vec2, t: f32) -> f32 {
     tight * tight * tight
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. Of what lies beyond the diameter that
-/// knows nothing: what is open up to there counts as open.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function; nothing beyond the diameter, of which
+/// that knows nothing.
 #[inline]
 pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+    visibility_within(f32::MAX, depth, pose, d)
+}
+
+/// [`visibility`] of a point beyond the diameter too: what is open up to there counts as open.
+#[inline]
+pub fn openness(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+    visibility_within(1.0, depth, pose, d)
+}
+
+/// [`visibility`] of what is at most so many diameters away; what is farther, as if it were there.
+#[inline]
+fn visibility_within(most: f32, depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
     // Nothing fits between a surfel's centre and a point this close.
     if distance < 0.02 * pose.radius {
@@ -123,7 +135,7 @@ pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let clamped = Vec3::new(local.x, local.y, local.z.max(0.0));
     chebyshev(
         depth_moments(depth, clamped),
-        (distance / (2.0 * pose.radius)).min(1.0),
+        (distance / (2.0 * pose.radius)).min(most),
     )
 }
 

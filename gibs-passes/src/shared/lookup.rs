@@ -1,6 +1,6 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
-use super::depth::visibility;
+use super::depth::{openness, visibility};
 use super::lists::{List, Surfels};
 use super::{octahedral, surface};
 use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose};
@@ -209,13 +209,6 @@ pub fn gather(
         normal,
         list,
     } = *place;
-    let share = |id: usize, d: Vec3| {
-        if !s.depths.is_empty() {
-            visibility(&s.depths[id], &s.poses[id], d)
-        } else {
-            1.0
-        }
-    };
     let mut g = Gathered::default();
     let mut total = 0.0;
     let mut first = 0.0;
@@ -227,7 +220,9 @@ pub fn gather(
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
-        weight *= share(id, d);
+        if !s.depths.is_empty() {
+            weight *= visibility(&s.depths[id], pose, d);
+        }
         if weight < LEAST_WEIGHT {
             continue;
         }
@@ -262,7 +257,9 @@ pub fn gather(
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
-        weight *= share(id, point - pose.position);
+        if !s.depths.is_empty() {
+            weight *= openness(&s.depths[id], pose, point - pose.position);
+        }
         if weight < LEAST_WEIGHT {
             continue;
         }

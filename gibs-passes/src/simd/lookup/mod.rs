@@ -123,6 +123,14 @@ fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
     }
 }
 
+/// The mask of weights above zero, of so many.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn above_zero(weight: __m256, count: usize) -> u32 {
+    let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
+    _mm256_movemask_ps(some) as u32 & ((1 << count) - 1)
+}
+
 /// What is left of weights after the depth functions, and the mask of those that were above zero before.
 ///
 /// # Safety
@@ -138,8 +146,7 @@ unsafe fn weighed(
 ) -> (__m256, u32) {
     // SAFETY: the caller is compiled for AVX2.
     unsafe {
-        let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
-        let mask = _mm256_movemask_ps(some) as u32 & ((1 << count) - 1);
+        let mask = above_zero(weight, count);
         if mask == 0 || s.depths.is_empty() {
             return (weight, mask);
         }
@@ -233,8 +240,13 @@ fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight])
     let (weight, mask) = unsafe {
         let poses = Poses::load(s.poses, &ids);
         let weight = poses.leaning(&normal);
-        let (weight, mask) = weighed(s, &ids, count, &poses, weight, &point);
-        (stored(weight), mask)
+        let mask = above_zero(weight, count);
+        if mask == 0 || s.depths.is_empty() {
+            (stored(weight), mask)
+        } else {
+            let share = poses.openness(s.depths, &ids, &point);
+            (stored(_mm256_mul_ps(weight, share)), mask)
+        }
     };
     lanes(mask, |lane| {
         let (light, weight) = (&light[ids[lane] as usize], weight[lane]);

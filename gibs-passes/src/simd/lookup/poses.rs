@@ -141,6 +141,25 @@ impl Poses {
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     pub fn visibility(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
+        self.visibility_within(f32::MAX, depths, ids, point)
+    }
+
+    /// [`depth::openness`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn openness(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
+        self.visibility_within(1.0, depths, ids, point)
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    fn visibility_within(
+        &self,
+        most: f32,
+        depths: &[SurfelDepth],
+        ids: &[u32; 8],
+        point: &Lanes3,
+    ) -> __m256 {
         let d = self.to(point);
         let distance = _mm256_sqrt_ps(dot(&d, &d));
         let touching =
@@ -153,7 +172,7 @@ impl Poses {
         let m = moments(depths, ids, &to_local(&direction, &self.normal));
         let t = _mm256_div_ps(distance, _mm256_mul_ps(_mm256_set1_ps(2.0), self.radius));
         // The second operand is taken where the first is not a number, as by `f32::min`.
-        let t = _mm256_min_ps(t, _mm256_set1_ps(1.0));
+        let t = _mm256_min_ps(t, _mm256_set1_ps(most));
         let share = chebyshev(&m, t);
         _mm256_blendv_ps(share, _mm256_set1_ps(1.0), touching)
     }
