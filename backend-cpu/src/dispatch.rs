@@ -7,7 +7,7 @@ use gibs_graph::{
 };
 use std::any::Any;
 use std::cell::Cell;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 thread_local! {
     static IN_KERNEL: Cell<bool> = const { Cell::new(false) };
@@ -119,22 +119,24 @@ impl CpuExecutable {
         };
         let threads = self.shared.pool.current_num_threads();
         // Enough pieces to balance, few enough that a piece is worth a thread's while.
-        let piece = (total as usize / (threads * 32)).max(1);
-        let pieces = (total as usize).div_ceil(piece);
-        let next = AtomicUsize::new(0);
+        let piece = (total / (threads as u32).saturating_mul(32)).max(1);
+        let pieces = total.div_ceil(piece);
+        let next = AtomicU32::new(0);
         let work = || {
             loop {
-                // Nothing but the count is shared by it: what kernels wrote is seen by whom joins their threads.
-                let first = next.fetch_add(1, Ordering::Relaxed).saturating_mul(piece);
-                if first >= total as usize {
+                // Nothing but the count goes by it: who waits for the threads sees what their kernels wrote. As many threads as
+                // there are may count beyond the last piece.
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                if place >= pieces {
                     break;
                 }
-                (first as u32..total.min((first + piece) as u32)).for_each(run);
+                let first = place * piece;
+                (first..total.min(first.saturating_add(piece))).for_each(run);
             }
         };
         let all = || {
             rayon::scope(|others| {
-                for _ in 1..threads.min(pieces) {
+                for _ in 1..threads.min(pieces as usize) {
                     others.spawn(|_| work());
                 }
                 work();

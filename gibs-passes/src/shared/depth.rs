@@ -125,7 +125,7 @@ pub fn openness(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
 
 /// [`visibility`] of what is at most so many diameters away; what is farther, as if it were there.
 #[inline]
-fn visibility_within(most: f32, depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+pub fn visibility_within(most: f32, depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
     // Nothing fits between a surfel's centre and a point this close.
     if distance < 0.02 * pose.radius {

@@ -103,7 +103,7 @@ fn visiting(lookup: u32) -> SurfelSettings {
 
 // Grid and settings are uniforms of the stages; here the case has them.
 twin! {
-    lookup_gather ["gather::lookup_gather", "gather::gather_share"],
+    lookup_gather ["gather::lookup_gather", "gather::gather_openness", "gather::gather_share"],
     (point: Vec3, normal: Vec3, enough: f32, averaged: u32, shape: GridShape, visits: u32) -> Gathered,
     wgsl "grid = shape; settings.lookup = visits; return lookup_gather(point, normal, enough, averaged != 0u);",
     rust {

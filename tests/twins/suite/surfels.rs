@@ -97,6 +97,13 @@ twin! {
     draw |d| (d.direction(), super::pose(d)),
     bound ROUNDED,
 }
+twin! {
+    leaning ["lookup::lookup_leaning"], (normal: Vec3, pose: SurfelPose) -> f32,
+    wgsl "lookup_leaning(normal, pose)",
+    rust lookup::leaning(normal, &pose),
+    draw |d| (d.direction(), super::pose(d)),
+    bound ROUNDED,
+}
 
 /// Depth functions: open, closed, of one wall, of noise.
 pub fn depths() -> Vec<SurfelDepth> {
@@ -125,6 +132,22 @@ twin! {
     wgsl "depth_visibility(surfel, pose, d)",
     rust depth::visibility(&depths[surfel as usize], &pose, d),
     draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p)) },
+    bound ROUNDED,
+    globals { depths: SurfelDepth = super::depths() },
+}
+twin! {
+    depth_openness ["depth::depth_openness"], (surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
+    wgsl "depth_openness(surfel, pose, d)",
+    rust depth::openness(&depths[surfel as usize], &pose, d),
+    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p)) },
+    bound ROUNDED,
+    globals { depths: SurfelDepth = super::depths() },
+}
+twin! {
+    depth_visibility_within ["depth::depth_visibility_within"], (most: f32, surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
+    wgsl "depth_visibility_within(most, surfel, pose, d)",
+    rust depth::visibility_within(most, &depths[surfel as usize], &pose, d),
+    draw |d| { let p = super::pose(d); ([0.3, 1.0, f32::MAX][d.below(3) as usize], d.below(64), p, super::to_place(d, &p)) },
     bound ROUNDED,
     globals { depths: SurfelDepth = super::depths() },
 }
@@ -210,8 +233,11 @@ twins!(
     trust,
     falloff,
     alignment,
+    leaning,
     depth_moments,
     depth_visibility,
+    depth_openness,
+    depth_visibility_within,
     looks,
     chance,
     goes_to_emitter,

@@ -76,3 +76,35 @@ fn a_uniform_depth_function_is_uniform() {
         );
     }
 }
+
+/// Beyond the diameter a depth function knows nothing: visibility ends there, openness stays what it is at the diameter. A wall
+/// before that ends both.
+#[test]
+fn openness_goes_on_beyond_the_diameter() {
+    let pose = SurfelPose {
+        position: Vec3::ZERO,
+        radius: 0.5,
+        normal: Vec3::Z,
+        identity: 0,
+    };
+    let walled = SurfelDepth {
+        texels: [pack_moments(Vec2::new(0.5, 0.25)); 16],
+    };
+    for d in [Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8)] {
+        for far in [0.001, 0.3, 0.999] {
+            let at = d * far;
+            let seen = visibility(&SurfelDepth::OPEN, &pose, at);
+            assert_eq!(seen, openness(&SurfelDepth::OPEN, &pose, at), "{at}");
+            assert_eq!(seen, 1.0, "{at}");
+            let seen = visibility(&walled, &pose, at);
+            assert_eq!(seen, openness(&walled, &pose, at), "{at}");
+            assert_eq!(seen, if far < 0.5 { 1.0 } else { 0.0 }, "{at}");
+        }
+        for far in [1.2, 3.0, 1e6] {
+            let at = d * far;
+            assert_eq!(visibility(&SurfelDepth::OPEN, &pose, at), 0.0, "{at}");
+            assert_eq!(openness(&SurfelDepth::OPEN, &pose, at), 1.0, "{at}");
+            assert_eq!(openness(&walled, &pose, at), 0.0, "{at}");
+        }
+    }
+}

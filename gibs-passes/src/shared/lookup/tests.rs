@@ -1,27 +1,32 @@
 //! Tests of `shared/lookup.rs`; `simd/tests.rs` holds the wide lookups against these.
 use super::*;
-use crate::data::SurfelSettings;
+use crate::data::{SurfelDepth, SurfelSettings};
 use crate::shared::bounds;
 use crate::shared::grid::{self, GridLayout};
 use glam::UVec2;
 
 /// What is gathered at the origin, with normal z, from surfels of these radii and lights there.
 fn gathered(surfels: &[(f32, f32)]) -> Gathered {
-    let layout = GridLayout::new(4, 10.0);
-    let grid = layout.at(Vec3::ONE, 4.0);
-    let cell = grid::cell(Vec3::ZERO, &grid);
-    let poses: Vec<SurfelPose> = (0..)
+    let poses = (0..)
         .zip(surfels)
         .map(|(identity, &(radius, _))| SurfelPose {
             position: Vec3::ZERO,
             radius,
             normal: Vec3::Z,
             identity,
-        })
-        .collect();
-    let light: Vec<SurfelLight> = surfels
+        });
+    let light: Vec<f32> = surfels.iter().map(|surfel| surfel.1).collect();
+    from(&poses.collect::<Vec<_>>(), &light, false)
+}
+
+/// What is gathered at the origin, with normal z, from surfels with these lights, whose depth functions are open.
+fn from(poses: &[SurfelPose], light: &[f32], averaged: bool) -> Gathered {
+    let layout = GridLayout::new(4, 10.0);
+    let grid = layout.at(Vec3::ONE, 4.0);
+    let cell = grid::cell(Vec3::ZERO, &grid);
+    let light: Vec<SurfelLight> = light
         .iter()
-        .map(|&(_, irradiance)| SurfelLight {
+        .map(|&irradiance| SurfelLight {
             irradiance: Vec3::splat(irradiance),
             trust: 1.0,
         })
@@ -39,8 +44,8 @@ fn gathered(surfels: &[(f32, f32)]) -> Gathered {
     let s = Surfels {
         cells: &cells,
         entries: &entries,
-        poses: &poses,
-        depths: &[],
+        poses,
+        depths: &vec![SurfelDepth::OPEN; poses.len()],
         grid: &grid,
         settings: &settings,
     };
@@ -49,7 +54,7 @@ fn gathered(surfels: &[(f32, f32)]) -> Gathered {
         normal: Vec3::Z,
         list: s.around(Vec3::ZERO),
     };
-    gather(&place, f32::MAX, false, &s, &light)
+    gather(&place, f32::MAX, averaged, &s, &light)
 }
 
 /// A kernel spread over its disc: half the radius counts four times.
@@ -80,4 +85,30 @@ fn neither_size_nor_brightness_changes_the_mean() {
             );
         }
     }
+}
+
+/// In a hole the cell's surfels stand in, though they lean away or are farther than their diameters, but for those that face
+/// the other way.
+#[test]
+fn the_average_reaches_where_no_surfel_does() {
+    let pose = |position, normal: Vec3| SurfelPose {
+        position,
+        radius: 0.2,
+        normal: normal.normalize(),
+        identity: 0,
+    };
+    let leaning = pose(Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.6, 0.8));
+    let turned = pose(Vec3::new(-0.5, 0.5, 0.0), Vec3::new(0.0, 0.6, -0.8));
+    let hole = from(&[leaning, turned], &[3.0, 5.0], true);
+    assert_eq!(hole.weight, 0.0);
+    // The squared cosine is 0.64, more than what an average is made up from.
+    assert!((hole.average.x - 3.0).abs() < 1e-5, "{}", hole.average);
+    assert_eq!(from(&[leaning], &[3.0], false).average, Vec3::ZERO);
+    // Cosine 0.4: 0.16 of the light, of which less than a quarter is not made up to a whole.
+    let steep = pose(
+        Vec3::new(1.0, 0.0, 0.0),
+        Vec3::new(0.0, 0.84f32.sqrt(), 0.4),
+    );
+    let dim = from(&[steep], &[3.0], true).average.x;
+    assert!((dim - 3.0 * 0.16 / AVERAGE_LEAST).abs() < 1e-4, "{dim}");
 }

@@ -216,9 +216,9 @@ fn finish(
                     stored(_mm256_mul_ps(_mm256_loadu_ps(weights.as_ptr()), share))
                 };
             }
-            for lane in 0..pairs.count {
-                let (point, surfel) = (pairs.points[lane], pairs.surfels[lane]);
-                each(point as usize, surfel as usize, weights[lane]);
+            let pair = pairs.points.iter().zip(&pairs.surfels).zip(weights);
+            for ((&point, &surfel), weight) in pair.take(pairs.count) {
+                each(point as usize, surfel as usize, weight);
             }
         },
     );
