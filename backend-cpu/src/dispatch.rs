@@ -134,14 +134,7 @@ impl CpuExecutable {
                 (first..total.min(first.saturating_add(piece))).for_each(run);
             }
         };
-        let all = || {
-            rayon::scope(|others| {
-                for _ in 1..threads.min(pieces as usize) {
-                    others.spawn(|_| work());
-                }
-                work();
-            });
-        };
+        let all = || on_threads(threads.min(pieces as usize), &work);
         // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing
         // else is broken by it.
         let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(all));
@@ -183,6 +176,20 @@ impl CpuExecutable {
                 })
             })
             .collect()
+    }
+}
+
+/// Runs `work` as often as there are threads that may take part, and allocates nothing for it.
+fn on_threads(threads: usize, work: &(impl Fn() + Sync)) {
+    match threads {
+        0 | 1 => work(),
+        _ => {
+            let half = threads / 2;
+            rayon::join(
+                || on_threads(threads - half, work),
+                || on_threads(half, work),
+            );
+        }
     }
 }
 

@@ -7,13 +7,14 @@ use crate::backends::{self, Choice};
 use crate::gi::Gi;
 use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
-    Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace, compare,
-    comparison_table, measure, saving_table, savings, table,
+    Comparison, Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace,
+    compare, comparison_table, measure, saving_table, savings, table,
 };
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -64,12 +65,15 @@ pub struct Args {
     json: bool,
 }
 
-/// A profile as JSON, with what is left out.
+/// A profile as JSON, with what is left out and what an older one says.
 #[derive(Debug, Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
     profile: &'a Profile,
     needs: &'a [Saving],
+    /// What `--against` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    against: Option<&'a Comparison>,
 }
 
 /// Runs the command.
@@ -80,7 +84,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         ensure_writable(path)?;
     }
     let backends = args.backend.iter().map(|&choice| backends::open(choice));
-    let backends = backends.collect::<Result<Vec<_>, _>>()?;
+    let mut backends = backends.collect::<Result<Vec<_>, _>>()?;
+    // What is named twice, as by `auto`, is measured once.
+    let mut names = BTreeSet::new();
+    backends.retain(|backend| names.insert(backend.name().to_owned()));
     if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
         for backend in &backends {
             before(path, old, backend.name())?;
@@ -104,24 +111,28 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     for warning in &gi.scene().warnings {
         warning!("{warning}");
     }
-    let mut all = Vec::new();
+    let (mut all, mut comparisons) = (Vec::new(), Vec::new());
     for backend in &backends {
         let backend = backend.as_ref();
         let (profile, frames) = profile(backend, args, &loaded, &settings, &options)?;
         let needs = savings_of(backend, &gi, args, &loaded)?;
+        let compared = match args.against.as_deref().zip(old.as_ref()) {
+            Some((path, old)) => Some((path, before(path, old, &profile.backend)?)),
+            None => None,
+        };
+        let against = compared.map(|(_, before)| compare(&profile, before));
         if !args.json {
             say!("{}", table(&profile, args.steps));
             say!("{}", told(&needs, args.why));
-            if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
-                let before = before(path, old, &profile.backend)?;
-                let comparison = compare(&profile, before);
+            if let Some(((path, before), comparison)) = compared.zip(against.as_ref()) {
                 say!(
                     "against {}\n{}",
                     path.display(),
-                    comparison_table(&comparison, [profile.runs, before.runs])
+                    comparison_table(comparison, [profile.runs, before.runs])
                 );
             }
         }
+        comparisons.push(against);
         all.push((profile, needs, frames));
     }
     if let Some(path) = &args.trace {
@@ -130,7 +141,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if args.json {
         let printed: Vec<_> = all
             .iter()
-            .map(|(profile, needs, _)| Printed { profile, needs })
+            .zip(&comparisons)
+            .map(|((profile, needs, _), against)| Printed {
+                profile,
+                needs,
+                against: against.as_ref(),
+            })
             .collect();
         say!(
             "{}",

@@ -45,6 +45,14 @@ fn profiles_are_printed_compared_and_traced() {
         assert!(told.contains(part), "{part}: {told}");
     }
     assert!(!told.contains("not alike: setting"), "{told}");
+    // Programs hear of it, too; and a backend that is named twice is measured once.
+    let compared = succeed(&small(&["--against", &old, "--json", "--backend", "cpu"]));
+    let compared: Value = serde_json::from_str(&compared).unwrap();
+    assert_eq!(compared.as_array().map(Vec::len), Some(1), "{compared}");
+    let against = &compared[0]["against"];
+    assert_eq!(against["frame"]["name"], "frame", "{against}");
+    assert!(against["frame"]["ratio"].is_object(), "{against}");
+    assert!(profiles[0].get("against").is_none());
     let trace: Value = serde_json::from_str(&folder.read("trace.json")).unwrap();
     let events = trace["traceEvents"].as_array().unwrap();
     let frames = events.iter().filter(|e| e["tid"] == 1 && e["ph"] == "X");

@@ -120,7 +120,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
             false => None,
         };
         for ray in first..last {
-            let index = p.irradiance[i].drawn + (ray - first);
+            let index = p.irradiance[i].drawn.wrapping_add(ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
             let uv = sampling::r2(index, shift);
             let drawn = if emitters && mixture::goes_to_emitter(index, hash::hash2(surfel, 2)) {

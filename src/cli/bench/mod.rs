@@ -11,6 +11,7 @@ use crate::bench::{
 };
 use backends::{Chosen, Opened};
 use gibs_graph::Backend;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Measure speed against error: what each element of the technique gains and costs, beside path tracing
@@ -88,7 +89,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let elements = match args.elements.is_empty() {
         true => Configuration::elements(),
         false => {
-            let named = args.elements.iter().map(|name| element("--elements", name));
+            // What is named twice is measured once.
+            let mut names = BTreeSet::new();
+            let once = args.elements.iter().filter(|name| names.insert(*name));
+            let named = once.map(|name| element("--elements", name));
             named.collect::<Result<_, _>>()?
         }
     };

@@ -26,7 +26,11 @@ pub fn continue_paths(paths: &Paths<'_>, range: Range<usize>, set: impl FnMut(us
         Some(Avx2 { .. }) if paths.emitters.is_empty() => unsafe {
             continue_wide(paths, range, set)
         },
-        _ => continue_each(paths, range, set),
+        Some(avx2) => avx2.run(
+            #[inline(always)]
+            || continue_each(paths, range, set),
+        ),
+        None => continue_each(paths, range, set),
     }
 }
 
