@@ -36,7 +36,7 @@ pub use {
         continue_paths::continue_each as continue_paths,
         generate_rays::generate_each as generate_rays, resolve_hits::resolve_each as resolve_hits,
         sample_lights::sample_each as sample_lights, select_pixels::select_each as select_pixels,
-        update_depth::update_each as update_depth,
+        shade_hits::shade_each as shade_hits, update_depth::update_each as update_depth,
     },
     lookup_scalar::Lookup,
 };
