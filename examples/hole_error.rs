@@ -35,7 +35,7 @@ struct Args {
     /// Key poses of the camera
     #[arg(long, value_name = "P.json")]
     path: PathBuf,
-    /// Frames at which to compare, in order
+    /// Frames at which to compare
     #[arg(long, value_delimiter = ',', required = true)]
     at: Vec<u32>,
     /// Samples per pixel of the truth

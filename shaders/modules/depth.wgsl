@@ -26,8 +26,8 @@ fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
     return (top * (1.0 - f.y) + bottom * f.y) * LOOKUP_MOMENT_SCALE;
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function; nothing beyond the diameter, of which
-/// that knows nothing.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. It falls to nothing beyond the
+/// diameter, of which that knows nothing.
 fn depth_visibility(surfel: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
     return depth_visibility_within(DEPTH_ANY, surfel, pose, d);
 }

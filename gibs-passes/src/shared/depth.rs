@@ -110,8 +110,8 @@ pub fn chebyshev(m: Vec2, t: f32) -> f32 {
     tight * tight * tight
 }
 
-/// Share of a surfel's light that reaches a point at `d` from it, by its depth function; nothing beyond the diameter, of which
-/// that knows nothing.
+/// Share of a surfel's light that reaches a point at `d` from it, by its depth function. It falls to nothing beyond the
+/// diameter, of which that knows nothing.
 #[inline]
 pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
     visibility_within(f32::MAX, depth, pose, d)

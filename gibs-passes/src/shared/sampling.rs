@@ -37,12 +37,15 @@ pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
     Vec3::new(radius * cos, radius * sin, (1.0 - u).max(0.0).sqrt())
 }
 
+/// Steps of [`r2`] along its axes, as shares of 2^32.
+pub const R2_STEPS: [u32; 2] = [0xc13f_a9a9, 0x91e1_0da5];
+
 /// Point `index` of the additive recurrence of Roberts 2018 ("The Unreasonable Effectiveness of Quasirandom
 /// Sequences"), shifted by `shift`; exact in integers, so any index keeps full precision.
 #[inline]
 pub fn r2(index: u32, shift: (u32, u32)) -> (f32, f32) {
-    let x = index.wrapping_mul(0xc13f_a9a9).wrapping_add(shift.0);
-    let y = index.wrapping_mul(0x91e1_0da5).wrapping_add(shift.1);
+    let x = index.wrapping_mul(R2_STEPS[0]).wrapping_add(shift.0);
+    let y = index.wrapping_mul(R2_STEPS[1]).wrapping_add(shift.1);
     (super::hash::unit(x), super::hash::unit(y))
 }
 

@@ -116,7 +116,7 @@ pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
 /// [`crate::shared::sampling::to_world`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
+fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
     let [tangent, bitangent] = basis(n);
     let flat = sum(&scaled(&tangent, local[0]), &scaled(&bitangent, local[1]));
     normalized(&sum(&flat, &scaled(n, local[2])))
@@ -125,7 +125,7 @@ pub fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
 /// [`crate::shared::sampling::cosine_hemisphere`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn cosine_hemisphere(u: __m256, v: __m256) -> Lanes3 {
+fn cosine_hemisphere(u: __m256, v: __m256) -> Lanes3 {
     let radius = _mm256_sqrt_ps(u);
     let [sin, cos] = sin_cos_turns(v);
     let up = positive(_mm256_sub_ps(_mm256_set1_ps(1.0), u));
@@ -134,6 +134,29 @@ pub fn cosine_hemisphere(u: __m256, v: __m256) -> Lanes3 {
         _mm256_mul_ps(radius, sin),
         _mm256_sqrt_ps(up),
     ]
+}
+
+/// Directions over the lobes of eight surfaces.
+pub struct Drawn {
+    /// Unit directions.
+    pub direction: Lanes3,
+    /// Cosines with the normals.
+    pub cosine: __m256,
+    /// Densities, 1/sr.
+    pub density: __m256,
+}
+
+/// [`crate::shared::mixture::over_the_lobe`], in a scene without emitters.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn over_the_lobe(normal: &Lanes3, u: __m256, v: __m256) -> Drawn {
+    let local = cosine_hemisphere(u, v);
+    let per_cosine = _mm256_set1_ps(std::f32::consts::FRAC_1_PI);
+    Drawn {
+        direction: to_world(&local, normal),
+        cosine: local[2],
+        density: _mm256_mul_ps(positive(local[2]), per_cosine),
+    }
 }
 
 /// [`crate::shared::portable::sin_cos_turns`].

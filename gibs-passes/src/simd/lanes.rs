@@ -61,6 +61,15 @@ pub fn stored_words(x: __m256i) -> [u32; 8] {
     lanes
 }
 
+/// Calls `each` with the lanes of a mask of eight bits, in order.
+#[inline(always)]
+pub fn for_lanes(mut mask: u32, mut each: impl FnMut(usize)) {
+    while mask != 0 {
+        each(mask.trailing_zeros() as usize & 7);
+        mask &= mask - 1;
+    }
+}
+
 /// The bits of a mask, or zero.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]

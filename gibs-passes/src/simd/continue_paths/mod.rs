@@ -4,12 +4,11 @@
 mod tests;
 
 use std::arch::x86_64::*;
-use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
-use super::directions::{cosine_hemisphere, start, to_world, unpack};
+use super::directions::{over_the_lobe, start, unpack};
 use super::hashes::{pcg, unit};
-use super::lanes::{columns, positive, store_rows};
+use super::lanes::{columns, store_rows};
 use super::{Avx2, prefetch};
 use crate::data::{Path, Ray};
 use crate::stages::continue_paths::{Paths, continue_each};
@@ -71,18 +70,17 @@ fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
     let first = pcg(_mm256_castps_si256(seed));
     let second = pcg(first);
     let third = pcg(second);
-    let local = cosine_hemisphere(unit(first), unit(second));
-    let direction = to_world(&local, &unpack(shading));
-    let [x, y, z] = start(&[x, y, z], &unpack(geometric), offset, &direction);
+    let drawn = over_the_lobe(&unpack(shading), unit(first), unit(second));
+    let [dx, dy, dz] = drawn.direction;
+    let [x, y, z] = start(&[x, y, z], &unpack(geometric), offset, &drawn.direction);
     let mut rays = [Ray::zeroed(); 8];
     let far = _mm256_set1_ps(f32::MAX);
     store_rows(
         &mut rays,
         &[x, y, z, _mm256_setzero_ps()],
-        &[direction[0], direction[1], direction[2], far],
+        &[dx, dy, dz, far],
     );
     let left = _mm256_sub_epi32(_mm256_castps_si256(remaining), _mm256_set1_epi32(1));
-    let density = _mm256_mul_ps(positive(local[2]), _mm256_set1_ps(FRAC_1_PI));
     let mut next = [Path::zeroed(); 8];
     store_rows(
         &mut next,
@@ -90,8 +88,8 @@ fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
         &[
             _mm256_castsi256_ps(third),
             _mm256_castsi256_ps(left),
-            local[2],
-            density,
+            drawn.cosine,
+            drawn.density,
         ],
     );
     (rays, next)

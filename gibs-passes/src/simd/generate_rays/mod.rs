@@ -5,14 +5,14 @@
 mod tests;
 
 use std::arch::x86_64::*;
-use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use super::Avx2;
-use super::directions::{cosine_hemisphere, start, to_world};
+use super::directions::{over_the_lobe, start};
 use super::hashes::{hash2, hash3, unit};
-use super::lanes::{columns, loaded_words, positive, store_rows};
+use super::lanes::{columns, loaded_words, store_rows};
 use crate::data::{Path, Ray};
+use crate::shared::sampling::R2_STEPS;
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
 
@@ -92,31 +92,23 @@ impl Batch {
         let turn = loaded_words(&self.turns);
         let surfel = hash2(_mm256_castps_si256(identity), word(from.frame.seed));
         let index = _mm256_add_epi32(loaded_words(&drawn), turn);
-        // The additive recurrence of `sampling::r2`.
-        let along = |step: u32, axis: u32| {
-            let shift = hash2(surfel, word(axis));
-            unit(_mm256_add_epi32(
-                _mm256_mullo_epi32(index, word(step)),
-                shift,
-            ))
+        // As `sampling::r2`.
+        let along = |axis: usize| {
+            let shift = hash2(surfel, word(axis as u32));
+            let steps = _mm256_mullo_epi32(index, word(R2_STEPS[axis]));
+            unit(_mm256_add_epi32(steps, shift))
         };
-        let local = cosine_hemisphere(along(0xc13f_a9a9, 0), along(0x91e1_0da5, 1));
-        let direction = to_world(&local, &normal);
+        let drawn = over_the_lobe(&normal, along(0), along(1));
+        let [dx, dy, dz] = drawn.direction;
         let offset = _mm256_castsi256_ps(loaded_words(&offset));
-        let [x, y, z] = start(&position, &normal, offset, &direction);
+        let [x, y, z] = start(&position, &normal, offset, &drawn.direction);
         let mut rays = [Ray::zeroed(); 8];
         store_rows(
             &mut rays,
             &[x, y, z, zero],
-            &[
-                direction[0],
-                direction[1],
-                direction[2],
-                _mm256_set1_ps(f32::MAX),
-            ],
+            &[dx, dy, dz, _mm256_set1_ps(f32::MAX)],
         );
         let seed = hash3(surfel, word(from.frame.number), turn);
-        let density = _mm256_mul_ps(positive(local[2]), _mm256_set1_ps(FRAC_1_PI));
         let one = _mm256_set1_ps(1.0);
         let mut paths = [Path::zeroed(); 8];
         store_rows(
@@ -125,8 +117,8 @@ impl Batch {
             &[
                 _mm256_castsi256_ps(seed),
                 _mm256_castsi256_ps(word(from.settings.continuations)),
-                local[2],
-                density,
+                drawn.cosine,
+                drawn.density,
             ],
         );
         let made = rays.iter().zip(&paths).take(count);

@@ -9,7 +9,7 @@ pub mod poses;
 
 use std::arch::x86_64::*;
 
-use super::lanes::{Lanes3, all, stored};
+use super::lanes::{Lanes3, all, for_lanes, stored};
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
 use crate::shared::lists::{List, Surfels};
@@ -111,15 +111,6 @@ fn eight(entries: &[u32]) -> (__m256i, u32) {
         let there = _mm256_cmpgt_epi32(_mm256_set1_epi32(entries.len() as i32), lane);
         let loaded = _mm256_maskload_epi32(entries.as_ptr().cast(), there);
         (loaded, (1 << entries.len()) - 1)
-    }
-}
-
-/// Calls `each` with the lanes of a mask, in order.
-#[inline(always)]
-fn lanes(mut mask: u32, mut each: impl FnMut(usize)) {
-    while mask != 0 {
-        each(mask.trailing_zeros() as usize & 7);
-        mask &= mask - 1;
     }
 }
 
@@ -248,7 +239,7 @@ fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight])
             (stored(_mm256_mul_ps(weight, share)), mask)
         }
     };
-    lanes(mask, |lane| {
+    for_lanes(mask, |lane| {
         let (light, weight) = (&light[ids[lane] as usize], weight[lane]);
         if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT {
             sum += light.irradiance * weight;

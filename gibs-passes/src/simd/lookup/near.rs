@@ -2,11 +2,11 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
-use super::super::lanes::{Lanes3, all, stored};
+use super::super::lanes::{Lanes3, all, for_lanes, stored};
 use super::super::prefetch;
 use super::bounds::Point;
 use super::poses::Poses;
-use super::{eight, lanes, weighed};
+use super::{eight, weighed};
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup::Place;
 
@@ -33,7 +33,7 @@ unsafe fn for_near(
             let (bounds, there) = eight(bounds);
             point.may_reach(bounds) & there
         };
-        lanes(mask, |lane| {
+        for_lanes(mask, |lane| {
             let id = ids.get(lane).copied().unwrap_or(0);
             waiting[count & 15] = id;
             count += 1;
@@ -94,7 +94,7 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
         let (weight, mask) = unsafe { weights_at(s, ids, count, &point, &normal) };
-        lanes(mask, |lane| {
+        for_lanes(mask, |lane| {
             total += weight[lane];
             if weight[lane] > 0.0 {
                 seen(ids[lane] as usize);
@@ -138,7 +138,7 @@ pub fn neighbours(
                 weight = _mm256_mul_ps(weight, share);
             }
             let weight = stored(weight);
-            lanes(mask, |lane| {
+            for_lanes(mask, |lane| {
                 let id = ids[lane] as usize;
                 if wanted(id) {
                     each(id, weight[lane]);

@@ -72,9 +72,10 @@ impl Line {
     /// Calls `each` with all pairs, eight at a time, and empties the line.
     #[inline(always)]
     fn take(&mut self, mut each: impl FnMut(Eight)) {
-        fn from<T: Pod>(line: &[MaybeUninit<T>; ROOM], start: usize) -> [T; 8] {
-            // SAFETY: `take` has room for eight from there on, all of which have been written: by `append` below the
-            // count, by `take` beyond it.
+        /// # Safety
+        /// The line has eight elements from there on, all of which have been written.
+        unsafe fn from<T: Pod>(line: &[MaybeUninit<T>; ROOM], start: usize) -> [T; 8] {
+            // SAFETY: as the caller says.
             unsafe { line.as_ptr().add(start).cast::<[T; 8]>().read_unaligned() }
         }
         let end = self.count;
@@ -83,10 +84,19 @@ impl Line {
         self.points[end..end + 8].fill(MaybeUninit::new(0));
         self.weights[end..end + 8].fill(MaybeUninit::new(0.0));
         for start in (0..end).step_by(8) {
+            // SAFETY: eight elements from there on end within the eight behind the last pair, which were written here; those
+            // before were by `append`.
+            let (surfels, points, weights) = unsafe {
+                (
+                    from(&self.surfels, start),
+                    from(&self.points, start),
+                    from(&self.weights, start),
+                )
+            };
             each(Eight {
-                surfels: from(&self.surfels, start),
-                points: from(&self.points, start),
-                weights: from(&self.weights, start),
+                surfels,
+                points,
+                weights,
                 count: (end - start).min(8),
             });
         }

@@ -13,7 +13,7 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use super::lanes::{
-    Lanes3, columns, has_any, inverted, is_word, loaded, selected, store_columns, stored,
+    Lanes3, columns, for_lanes, has_any, inverted, is_word, loaded, selected, store_columns, stored,
 };
 use super::{Avx2, prefetch};
 use crate::data::{Hit, Material, NONE, Ray, SurfacePoint};
@@ -168,7 +168,7 @@ impl Begun {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn pictured_emission(
     emission: Lanes3,
-    mut mask: u32,
+    mask: u32,
     materials: &[&Material; 8],
     texels: &[u32],
     uv: &[__m256; 2],
@@ -176,11 +176,9 @@ fn pictured_emission(
     let uv = uv.map(|c| stored(c));
     let [r, g, b] = emission.map(|c| stored(c));
     let mut emission: [Vec3; 8] = std::array::from_fn(|lane| Vec3::new(r[lane], g[lane], b[lane]));
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize & 7;
+    for_lanes(mask, |lane| {
         let at = Vec2::new(uv[0][lane], uv[1][lane]);
         emission[lane] = scalar::emission(materials[lane], texels, at);
-        mask &= mask - 1;
-    }
+    });
     std::array::from_fn(|axis| loaded(&emission.map(|e| e[axis])))
 }

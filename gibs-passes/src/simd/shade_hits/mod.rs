@@ -10,8 +10,8 @@ use std::ops::Range;
 use super::Avx2;
 use super::hashes::{pcg, unit};
 use super::lanes::{
-    Lanes3, columns, divided, either, has_any, inverted, is_word, loaded, magnitude, positive,
-    scaled, store_columns, store_rows, stored, sum,
+    Lanes3, columns, divided, either, for_lanes, has_any, inverted, is_word, loaded, magnitude,
+    positive, scaled, store_columns, store_rows, stored, sum,
 };
 use crate::data::{NONE, Path, SurfacePoint};
 use crate::shared::{environment, surface};
@@ -31,17 +31,6 @@ pub fn shade_hits(
         // SAFETY: there is a proof that the processor has the features.
         Some(Avx2 { .. }) => unsafe { shade_wide(hits, range, path, set) },
         None => shade_each(hits, range, path, set),
-    }
-}
-
-/// Calls `each` with the lanes of a mask.
-#[inline(always)]
-fn lanes(mask: __m256, mut each: impl FnMut(usize)) {
-    // SAFETY: the callers are compiled for AVX2.
-    let mut mask = unsafe { _mm256_movemask_ps(mask) } as u32;
-    while mask != 0 {
-        each(mask.trailing_zeros() as usize & 7);
-        mask &= mask - 1;
     }
 }
 
@@ -113,9 +102,10 @@ fn shaded(
     let is_drawn = _mm256_or_ps(shines, to_emitter);
     let emitters = _mm256_and_ps(is_drawn, has_any(flags, surface::EMITTER));
     let emitters = _mm256_and_ps(emitters, is_surface);
-    if _mm256_movemask_ps(emitters) != 0 {
+    let emitters = _mm256_movemask_ps(emitters) as u32;
+    if emitters != 0 {
         let mut each = stored(counts);
-        lanes(emitters, |lane| {
+        for_lanes(emitters, |lane| {
             let ray = &hits.rays[ids[lane]];
             each[lane] = factor(hits.frame, &paths[lane], ray, points[lane]);
         });
@@ -181,7 +171,7 @@ fn shaded(
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn sky(hits: &Hits<'_>, ids: &[usize; 8], mask: __m256) -> Lanes3 {
     let mut seen = [[0.0; 8]; 3];
-    lanes(mask, |lane| {
+    for_lanes(_mm256_movemask_ps(mask) as u32, |lane| {
         let side = hits.frame.environment_side;
         let direction = hits.rays[ids[lane]].direction;
         let [r, g, b] = environment::radiance(hits.environment, side, direction).to_array();
