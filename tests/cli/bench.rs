@@ -37,7 +37,7 @@ fn elements_are_measured_beside_path_tracing() {
     let (report, cache) = (folder.path("report"), folder.path("cache"));
     let more = [
         "--elements",
-        "guiding,sharing",
+        "guiding,sharing,guiding",
         "--seeds",
         "2",
         "--json",
