@@ -11,10 +11,12 @@ import package::types::{DispatchArgs, Emitter, Path, Ray, SurfacePoint};
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
 @group(0) @binding(2) var<storage, read> paths: array<Path>;
 @group(0) @binding(3) var<storage, read> goes_on: array<u32>;
-@group(0) @binding(4) var<storage, read> scanned: array<u32>;
+@group(0) @binding(4) var<storage, read> before: array<u32>;
 @if(emitters) @group(0) @binding(5) var<storage, read> emitters: array<Emitter>;
 @group(0) @binding(6) var<storage, read_write> next_rays: array<Ray>;
 @group(0) @binding(7) var<storage, read_write> next_paths: array<Path>;
+
+const PATHS_PER_WORD: u32 = 32u;
 
 @compute @workgroup_size(64)
 fn main(
@@ -26,7 +28,9 @@ fn main(
     if i >= batch.count {
         return;
     }
-    if goes_on[i] == 0u {
+    let word = goes_on[i / PATHS_PER_WORD];
+    let bit = i % PATHS_PER_WORD;
+    if (word >> bit & 1u) == 0u {
         return;
     }
     let point = points[i];
@@ -40,7 +44,7 @@ fn main(
     let drawn = draw_ray(point.position, normal, uv, second, at_emitter);
     let geometric = octahedral_unpack(point.geometric_normal);
     let origin = sampling_start(point.position, geometric, point.offset, drawn.direction);
-    let slot = scanned[i];
+    let slot = before[i / PATHS_PER_WORD] + countOneBits(word & ((1u << bit) - 1u));
     next_rays[slot] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
     path.seed = third;
     path.remaining -= 1u;

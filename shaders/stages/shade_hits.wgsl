@@ -21,6 +21,10 @@ import package::vector::{vector_dot, vector_max_element};
 @group(0) @binding(8) var<storage, read_write> radiance: array<vec4<f32>>;
 @group(0) @binding(9) var<storage, read_write> goes_on: array<u32>;
 
+/// A bit for each path of the workgroup that goes on. Zero when it starts.
+var<workgroup> going: array<atomic<u32>, 2>;
+
+const PATHS_PER_WORD: u32 = 32u;
 const FRAC_1_PI: f32 = 0.31830987;
 
 /// What the segment counts, by how its ray was drawn.
@@ -40,20 +44,12 @@ fn factor_of(path: Path, ray: Ray, point: SurfacePoint) -> f32 {
     return mixture_weight(path.cosine, abs(path.density), drawn_there);
 }
 
-@compute @workgroup_size(64)
-fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let i = invocation_index(group, groups, 64u, lane);
-    if i >= batch.count {
-        return;
-    }
+/// Whether the path goes on.
+fn shade(i: u32) -> bool {
     let path = paths[i];
     let point = points[i];
     let factor = factor_of(path, rays[i], point);
-    var goes = 0u;
+    var goes = false;
     var added: vec3<f32>;
     if surface_is_surface(point) {
         let albedo = surface_albedo(point);
@@ -68,7 +64,7 @@ fn main(
             arriving += gathered[i].irradiance * gathered[i].confidence;
         }
         if path.remaining != 0u && factor > 0.0 && hash_unit(seed) < (1.0 - trusted) * largest {
-            goes = 1u;
+            goes = true;
             paths[i].throughput = path.throughput * factor * albedo / largest;
             paths[i].seed = seed;
         }
@@ -78,5 +74,24 @@ fn main(
     }
     let sum = radiance[path.root];
     radiance[path.root] = sum + vec4<f32>(path.throughput * factor * added, 0.0);
-    goes_on[i] = goes;
+    return goes;
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    let is_path = i < batch.count;
+    if is_path {
+        if shade(i) {
+            atomicOr(&going[lane / PATHS_PER_WORD], 1u << (lane % PATHS_PER_WORD));
+        }
+    }
+    workgroupBarrier();
+    if is_path && lane % PATHS_PER_WORD == 0u {
+        goes_on[i / PATHS_PER_WORD] = atomicLoad(&going[lane / PATHS_PER_WORD]);
+    }
 }

@@ -82,7 +82,7 @@ fn repetitions_prefix_sums_and_clears_are_one_stage() {
     for (label, stage) in [
         ("persistent/ray_trace", "ray_trace"),
         ("persistent/ray_trace_8", "ray_trace"),
-        ("persistent/path_scan_3_blocks", "path_scan"),
+        ("persistent/ray_scan_blocks", "ray_scan"),
         ("persistent/grid_scan_sums", "grid_scan"),
         ("spawn/rank_apply", "rank"),
         ("apply/lighting_apply", "lighting_apply"),

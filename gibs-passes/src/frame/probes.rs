@@ -80,7 +80,10 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
     );
     let gathered = g.zeroed("gathered", most);
     let radiance = g.zeroed("radiance", most);
-    let goes_on = g.transient("goes_on", most);
+    let goes_on = g.transient(
+        "goes_on",
+        most.div_ceil(u64::from(count_paths::PATHS_PER_WORD)),
+    );
     let shaded = g.add::<shade_hits::ShadeHits>(
         "probes/shade_hits",
         shade_hits::Inputs {

@@ -1,4 +1,5 @@
 //! `persistent/continue_paths`: the next segment of each path that goes on.
+use super::count_paths::PATHS_PER_WORD;
 use crate::data::{Emitter, Path, Ray, SurfacePoint};
 use crate::shared::{hash, mixture, octahedral, sampling};
 use crate::simd;
@@ -16,7 +17,7 @@ stage! {
             read points: SurfacePoint,
             read paths: Path,
             read goes_on: u32,
-            read scanned: u32,
+            read before: u32,
             optional_read emitters: Emitter,
             write next_rays: Ray,
             write next_paths: Path,
@@ -46,7 +47,7 @@ fn paths<'a>(p: &Views<'a>) -> Paths<'a> {
         points: p.points.slice(),
         paths: p.paths.slice(),
         goes_on: p.goes_on.slice(),
-        scanned: p.scanned.slice(),
+        before: p.before.slice(),
         emitters: p.emitters.slice(),
     }
 }
@@ -58,19 +59,30 @@ pub struct Paths<'a> {
     pub points: &'a [SurfacePoint],
     /// The paths.
     pub paths: &'a [Path],
-    /// Not zero for those that go on.
+    /// A bit for each path, set for those that go on.
     pub goes_on: &'a [u32],
-    /// Place of each of those among them.
-    pub scanned: &'a [u32],
+    /// How many do before those of each word.
+    pub before: &'a [u32],
     /// Emissive triangles; empty in a frame without.
     pub emitters: &'a [Emitter],
+}
+
+impl Paths<'_> {
+    /// Place of a path among those that go on; `None` for one that does not.
+    #[inline]
+    pub fn place(&self, path: usize) -> Option<usize> {
+        let (word, bit) = (path / PATHS_PER_WORD as usize, path as u32 % PATHS_PER_WORD);
+        let bits = self.goes_on[word];
+        let before = (bits & ((1 << bit) - 1)).count_ones();
+        (bits >> bit & 1 != 0).then(|| (self.before[word] + before) as usize)
+    }
 }
 
 /// Calls `set` with the place, the next ray and the next state of each path of a range that goes on.
 #[inline]
 pub fn continue_each(p: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     let emitters = !p.emitters.is_empty();
-    for i in range.filter(|&i| p.goes_on[i] != 0) {
+    for (i, place) in range.filter_map(|i| Some((i, p.place(i)?))) {
         let (point, path) = (&p.points[i], &p.paths[i]);
         let first = hash::pcg(path.seed);
         let second = hash::pcg(first);
@@ -97,6 +109,6 @@ pub fn continue_each(p: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usi
             density: drawn.density,
             ..*path
         };
-        set(p.scanned[i] as usize, ray, path);
+        set(place, ray, path);
     }
 }

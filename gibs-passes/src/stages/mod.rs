@@ -4,6 +4,7 @@ pub mod allocate_rays;
 pub mod batch_args;
 pub mod compose;
 pub mod continue_paths;
+pub mod count_paths;
 pub mod count_slots;
 pub mod debug_discs;
 pub mod debug_surface;
@@ -71,6 +72,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<batch_args::BatchArgs>(),
         StageInfo::of::<compose::Compose>(),
         StageInfo::of::<continue_paths::ContinuePaths>(),
+        StageInfo::of::<count_paths::CountPaths>(),
         StageInfo::of::<count_slots::CountSlots>(),
         StageInfo::of::<debug_discs::DebugDiscs>(),
         StageInfo::of::<debug_surface::DebugSurface>(),

@@ -1,6 +1,8 @@
 //! `persistent/shade_hits`: radiance that comes back along each ray, and which paths go on (I2).
+use super::count_paths::PATHS_PER_WORD;
 use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, Gathered, Path, Ray, SurfacePoint};
+use crate::shared::batch::LANES;
 use crate::shared::{emitter, environment, hash, mixture, octahedral, surface};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
@@ -12,8 +14,9 @@ stage! {
     /// Adds to each path's root: the sky for a miss; else emission, and albedo over pi times the direct irradiance and
     /// the surfels' irradiance at the hit (GIBS, "Integrating Irradiance"). Where the surfels' trusted weight is below
     /// one, the path goes on with the probability of what is missing times the albedo's largest part, so that nothing
-    /// is lost on average; a path at its last segment takes the cell's average instead. `goes_on` is 1 for those that
-    /// go on. Each segment counts by the mixture that its ray was drawn from.
+    /// is lost on average; a path at its last segment takes the cell's average instead. `goes_on` has a bit for each
+    /// path, the lowest first, which is set for those that go on. Each segment counts by the mixture that its ray was
+    /// drawn from.
     pub stage ShadeHits {
         wgsl: gibs_shaders::stages::SHADE_HITS,
         workgroup: [64, 1, 1],
@@ -36,23 +39,37 @@ stage! {
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.batch.count);
-    simd::shade_hits(&hits(p), range, |i| p.paths.get(i), setter(p));
+    let mut goes_on = 0;
+    let set = |i, shaded| set_one(p, &mut goes_on, i, shaded);
+    simd::shade_hits(&hits(p), range, |i| p.paths.get(i), set);
+    set_goes_on(p, group, goes_on);
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.batch.count);
-    shade_each(&hits(p), range, |i| p.paths.get(i), setter(p));
+    let mut goes_on = 0;
+    let set = |i, shaded| set_one(p, &mut goes_on, i, shaded);
+    shade_each(&hits(p), range, |i| p.paths.get(i), set);
+    set_goes_on(p, group, goes_on);
 }
 
-fn setter(p: &Views<'_>) -> impl FnMut(usize, Shaded) {
-    move |i, shaded| {
-        if let Some(path) = shaded.goes_on {
-            p.paths.set(i, path);
-        }
-        p.goes_on.set(i, u32::from(shaded.goes_on.is_some()));
-        let root = shaded.root as usize;
-        let sum = p.radiance.get(root);
-        p.radiance.set(root, sum + shaded.added);
+#[inline]
+fn set_one(p: &Views<'_>, goes_on: &mut u64, i: usize, shaded: Shaded) {
+    if let Some(path) = shaded.goes_on {
+        p.paths.set(i, path);
+        *goes_on |= 1 << (i % LANES as usize);
+    }
+    let root = shaded.root as usize;
+    let sum = p.radiance.get(root);
+    p.radiance.set(root, sum + shaded.added);
+}
+
+/// Writes which of a workgroup's paths go on, in as many words as there are paths for.
+fn set_goes_on(p: &Views<'_>, group: Workgroup, goes_on: u64) {
+    let range = group.range(p.batch.count);
+    for (word, first) in range.step_by(PATHS_PER_WORD as usize).enumerate() {
+        let bits = goes_on >> (word as u32 * PATHS_PER_WORD);
+        p.goes_on.set(first / PATHS_PER_WORD as usize, bits as u32);
     }
 }
 

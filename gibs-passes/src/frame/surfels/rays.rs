@@ -159,7 +159,8 @@ pub(super) fn integrate_rays(
                 flags: found.flags,
             }
         });
-        let goes_on = g.zeroed(&format!("goes_on{suffix}"), budget);
+        let words = budget.div_ceil(u64::from(count_paths::PATHS_PER_WORD));
+        let goes_on = g.transient(&format!("goes_on{suffix}"), words);
         let shaded = g.add::<shade_hits::ShadeHits>(
             &format!("persistent/shade_hits{suffix}"),
             shade_hits::Inputs {
@@ -281,17 +282,15 @@ fn continue_segment(
     emitters: Option<&Buffer<Emitter>>,
 ) -> Segment {
     let next = depth + 1;
-    let (scanned, total) = exclusive_scan(g, &format!("persistent/path_scan_{next}"), goes_on);
-    let next_args = g.transient(&format!("path_batch_{next}"), 1);
-    let inputs = batch_args::Inputs {
-        count: &total,
-        batch: next_args,
+    let inputs = count_paths::Inputs {
+        batch: args,
+        goes_on,
+        before: g.transient(&format!("path_places_{next}"), goes_on.len()),
+        next: g.transient(&format!("path_batch_{next}"), 1),
     };
-    let label = format!("persistent/path_batch_{next}");
-    let next_args = g
-        .add::<batch_args::BatchArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
-        .batch;
-    g.output(&format!("rays_{next}"), &next_args);
+    let label = format!("persistent/count_paths_{next}");
+    let counted = g.add::<count_paths::CountPaths>(&label, inputs, Dispatch::Groups([1, 1, 1]));
+    g.output(&format!("rays_{next}"), &counted.next);
     let next_rays = g.transient(&format!("path_rays_{next}"), batch.most);
     let next_paths = g.transient(&format!("paths_{next}"), batch.most);
     let continued = g.add::<continue_paths::ContinuePaths>(
@@ -301,7 +300,7 @@ fn continue_segment(
             points,
             paths,
             goes_on,
-            scanned: &scanned,
+            before: &counted.before,
             emitters,
             next_rays,
             next_paths,
@@ -309,7 +308,7 @@ fn continue_segment(
         batch.dispatch(),
     );
     Segment {
-        args: next_args,
+        args: counted.next,
         rays: Some(continued.next_rays),
         paths: continued.next_paths,
     }

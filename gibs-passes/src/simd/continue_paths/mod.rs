@@ -36,11 +36,11 @@ pub fn continue_paths(paths: &Paths<'_>, range: Range<usize>, set: impl FnMut(us
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn continue_wide(paths: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     for first in range.clone().step_by(BATCH) {
-        let mut going = [0; BATCH];
+        let mut going = [(0, 0); BATCH];
         let mut count = 0;
         for i in first..range.end.min(first + BATCH) {
-            going[count % BATCH] = i;
-            if paths.goes_on[i] != 0 {
+            if let Some(place) = paths.place(i) {
+                going[count % BATCH] = (i, place);
                 prefetch(paths.points, i);
                 prefetch(paths.paths, i);
                 count += 1;
@@ -48,11 +48,11 @@ fn continue_wide(paths: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usi
         }
         for start in (0..count).step_by(8) {
             // The last eight are filled up with the last of all.
-            let ids = std::array::from_fn(|lane| going[(start + lane).min(count - 1)]);
-            let (rays, next) = continued(paths, &ids);
-            let made = ids.iter().zip(rays.iter().zip(&next));
-            for (&i, (&ray, &path)) in made.take(count - start) {
-                set(paths.scanned[i] as usize, ray, path);
+            let eight: [_; 8] = std::array::from_fn(|lane| going[(start + lane).min(count - 1)]);
+            let (rays, next) = continued(paths, &eight.map(|(i, _)| i));
+            let made = eight.iter().zip(rays.iter().zip(&next));
+            for (&(_, place), (&ray, &path)) in made.take(count - start) {
+                set(place, ray, path);
             }
         }
     }

@@ -46,18 +46,22 @@ fn wide_segments_are_the_scalar_ones() {
     }
     let ids = || 0..COUNT;
     let points: Vec<_> = ids().map(point).collect();
-    let before: Vec<_> = ids().map(path).collect();
-    let scanned: Vec<_> = ids().map(|i| i / 2).collect();
+    let all_paths: Vec<_> = ids().map(path).collect();
     // None, some, and all of them.
     for every in [u32::MAX, 7, 2, 1] {
-        let goes_on: Vec<_> = ids()
-            .map(|i| u32::from(hash2(i, 11).is_multiple_of(every)))
+        let going = |i: u32| u32::from(hash2(i, 11).is_multiple_of(every));
+        let words = || ids().step_by(32);
+        let goes_on: Vec<_> = words()
+            .map(|first| (0..32).fold(0, |word, bit| word | going(first + bit) << bit))
+            .collect();
+        let before: Vec<_> = words()
+            .map(|first| (0..first).map(going).sum::<u32>())
             .collect();
         let paths = Paths {
             points: &points,
-            paths: &before,
+            paths: &all_paths,
             goes_on: &goes_on,
-            scanned: &scanned,
+            before: &before,
             emitters: &[],
         };
         let all = COUNT as usize;
@@ -74,6 +78,9 @@ fn wide_segments_are_the_scalar_ones() {
             });
             assert_eq!(each, wide, "{range:?} of every {every}");
             assert!(every != 1 || each.len() == range.len());
+            let places = range.clone().filter(|&i| going(i as u32) != 0);
+            let places = places.map(|i| (0..i as u32).map(going).sum::<u32>() as usize);
+            assert!(each.iter().map(|(place, _)| *place).eq(places));
         }
     }
 }
