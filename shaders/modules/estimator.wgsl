@@ -184,8 +184,9 @@ fn estimator_update(
     // Of one ray, and of the sample as it came: a variance of clamped samples would shrink the limit further, and so lose
     // energy.
     let spread = n * (delta * delta * (1.0 - blend));
-    // The variance follows more slowly than the mean, so that it does not shrink with the mean's own jumps.
-    let variance = state.variance + (spread - state.variance) * (0.5 * blend);
+    // The variance of all rays so far; later it follows more slowly than the mean, so that it does not shrink with the
+    // mean's own jumps.
+    let variance = state.variance + (spread - state.variance) * max(share, 0.5 * blend);
     // Variance of the short mean: what a sample adds, and what is left of those before.
     let kept = (1.0 - blend) * (1.0 - blend);
     let short_noise = kept * state.short_noise + blend * blend * (variance / n);

@@ -13,7 +13,7 @@ const SHARING_LEAST_WEIGHT: f32 = 1e-6;
 /// As many rays as the mean of the neighbours is worth at most.
 const SHARING_MOST_WORTH: f32 = 1048576.0;
 /// Relative standard deviation of irradiance between neighbours that is assumed even where none shows.
-const SHARING_LEAST_SPREAD: f32 = 0.03;
+const SHARING_LEAST_SPREAD: f32 = 0.05;
 /// Relative standard error of its mean below which a surfel does not ask its neighbours.
 const SHARING_CERTAIN: f32 = 0.015;
 /// Rays before which no standard error is believed.
@@ -21,6 +21,8 @@ const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 
 /// Rays with which a surfel's own variance counts as that of a neighbour at the same place.
 const SHARING_OWN_RAYS: f32 = 8.0;
+/// Part of its weight with which a surfel counts among its neighbours.
+const SHARING_OWN_PART: f32 = 0.5;
 /// Age, in frames, from which on a surfel asks only once in a period.
 const SHARING_FRESH: u32 = 16u;
 /// Frames from one time that a surfel asks to the next.

@@ -6,7 +6,7 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
+    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
@@ -41,10 +41,10 @@ fn ask(own: u32) -> SharingSaid {
     let cell = cells[at];
     let count = min(cell.y, settings.lookup);
     let place = bounds_place(point - grid.centre, bounds_steps_in(at, grid));
+    var others = 0u;
     var mean = vec3<f32>(0.0);
     var sum = 0.0;
     var squares = 0.0;
-    var weights_squared = 0.0;
     var noise = 0.0;
     var trust = 0.0;
     var ray_variance = 0.0;
@@ -73,39 +73,34 @@ fn ask(own: u32) -> SharingSaid {
             continue;
         }
         let age = frame.number - state.since;
-        let variance = sharing_mean_variance(state);
+        let samples = f32(state.samples);
         let is_own = id == own;
-        let counts_for = select(weight, weight * max(f32(state.samples) / SHARING_OWN_RAYS, 1.0), is_own);
-        ray_variance += counts_for * state.variance;
-        ray_sum += counts_for;
-        if is_own {
-            continue;
-        }
-        let counts = weight * min(f32(state.samples), SHARING_MOST_RAYS);
+        let of_rays = select(weight, weight * max(samples / SHARING_OWN_RAYS, 1.0), is_own);
+        ray_variance += of_rays * state.variance;
+        ray_sum += of_rays;
+        others += select(1u, 0u, is_own);
+        let counts = select(1.0, SHARING_OWN_PART, is_own) * weight * min(samples, SHARING_MOST_RAYS);
         let level = estimator_luminance(state.mean);
         mean += state.mean * counts;
         sum += counts;
         squares += counts * (level * level);
-        weights_squared += counts * counts;
-        noise += counts * variance;
+        noise += counts * sharing_mean_variance(state);
         trust += counts * lookup_trust(age);
     }
     var said = SharingSaid();
-    if sum <= 0.0 {
+    if others == 0u || sum <= 0.0 {
         return said;
     }
     said.mean = mean / sum;
     said.trust = trust / sum;
     let level = estimator_luminance(said.mean);
     let average_noise = noise / sum;
-    // What the neighbours differ by, beyond their noise.
+    // What they differ by, beyond their noise.
     let apart = max(squares / sum - level * level - average_noise, 0.0);
-    // The noise of their mean.
-    let left = average_noise * (weights_squared / (sum * sum));
     let least = SHARING_LEAST_SPREAD * level;
-    let spread = apart + left + least * least;
+    let spread = apart + least * least;
     let average_ray = ray_variance / ray_sum;
-    // Neighbours of which nothing tells that they are wrong are as good as any number of rays.
+    // Where nothing tells that they differ, they are as good as any number of rays.
     if average_ray > 0.0 {
         said.rays = min(average_ray / max(spread, 1.17549435e-38), SHARING_MOST_WORTH);
     }

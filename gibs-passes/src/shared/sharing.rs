@@ -1,10 +1,14 @@
 //! Irradiance shared between neighbouring surfels (GIBS, "Irradiance Sharing").
 //!
-//! The mean of the neighbours is a guess of a surfel's own irradiance that has less noise, and another error: the
-//! irradiance is not the same there. Both are measured, and the guess counts by the inverse of its variance, as in
-//! empirical Bayes estimation (Efron and Morris 1975, "Data Analysis Using Stein's Estimator and its Generalizations"). So
-//! sharing fades out as a surfel learns, and never crosses an edge that stands out of the noise. What is shared goes
-//! into what a surfel says, not into its own mean: a guess is not passed on as knowledge.
+//! The mean of a surfel and its neighbours is a guess of the surfel's own irradiance that has less noise, and another error:
+//! the irradiance is not the same there. Its own mean is drawn towards that guess by its own noise over what the surfels
+//! differ by beyond their noise, as in empirical Bayes estimation (Efron and Morris 1975, "Data Analysis Using Stein's
+//! Estimator and its Generalizations"). So sharing fades out as a surfel learns, and never crosses an edge that stands out of
+//! the noise. What is shared goes into what a surfel says, not into its own mean: a guess is not passed on as knowledge.
+//!
+//! The surfel itself belongs to those whose mean, noise and differences are taken. Left out, a lucky one would give all its
+//! light away to neighbours that take less of it, since their differences look larger from where they are: where one ray in
+//! a hundred finds light, a third of it would be lost.
 use super::estimator::luminance;
 use super::lookup;
 use crate::data::{Neighbours, SurfelIrradiance, SurfelLight};
@@ -25,7 +29,7 @@ pub const MOST_WORTH: f32 = 1_048_576.0;
 
 /// Standard deviation of irradiance between neighbours, relative, that is assumed even where none shows: below this,
 /// a surfel's own noise is left alone.
-pub const LEAST_SPREAD: f32 = 0.03;
+pub const LEAST_SPREAD: f32 = 0.05;
 
 /// Relative standard error of its mean below which a surfel does not ask its neighbours.
 pub const CERTAIN: f32 = 0.015;
@@ -38,6 +42,10 @@ pub const UNCERTAIN_BEFORE: u32 = 256;
 /// like noise, and what they say fill it up.
 pub const OWN_RAYS: f32 = 8.0;
 
+/// Part of its weight with which a surfel counts among its neighbours. It is nearest to itself, and with all of it much of its
+/// noise would stay in the mean.
+pub const OWN_PART: f32 = 0.5;
+
 /// Age, in frames, from which on a surfel asks only once in [`PERIOD`] frames: what its neighbours say changes little.
 pub const FRESH: u32 = 16;
 
@@ -47,15 +55,15 @@ pub const PERIOD: u32 = 4;
 /// Surfels that ask in the same frames: a workgroup of them, so that those that wait do not keep others waiting.
 pub const TOGETHER: u32 = 64;
 
-/// What a surfel's neighbours say about its irradiance.
+/// What a surfel and its neighbours say about its irradiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Said {
     /// Weighted mean of their irradiance, W/m^2.
     pub mean: Vec3,
     /// How far to trust that, see [`SurfelLight`]; 0 where there are no neighbours.
     pub trust: f32,
-    /// How many of the surfel's own rays are as good as the mean: the variance of the luminance that one ray brings, here
-    /// and around, over that of the mean as a guess of the surfel's irradiance.
+    /// How many of the surfel's own rays say as much: the variance of the luminance that one ray brings, here and around, over
+    /// that of irradiance from surfel to surfel.
     pub rays: f32,
 }
 
@@ -119,10 +127,10 @@ pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) ->
 /// Sums over the neighbours of a surfel, itself among them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Asked {
+    others: u32,
     mean: Vec3,
     sum: f32,
     squares: f32,
-    weights_squared: f32,
     noise: f32,
     trust: f32,
     ray_variance: f32,
@@ -136,23 +144,20 @@ impl Asked {
         if weight < LEAST_WEIGHT {
             return;
         }
-        let variance = mean_variance(state);
-        let counts = match is_own {
-            true => weight * (state.samples as f32 / OWN_RAYS).max(1.0),
-            false => weight,
+        let samples = state.samples as f32;
+        let (of_rays, part) = match is_own {
+            true => (weight * (samples / OWN_RAYS).max(1.0), OWN_PART),
+            false => (weight, 1.0),
         };
-        self.ray_variance += counts * state.variance;
-        self.ray_sum += counts;
-        if is_own {
-            return;
-        }
-        let counts = weight * (state.samples as f32).min(MOST_RAYS);
+        self.ray_variance += of_rays * state.variance;
+        self.ray_sum += of_rays;
+        self.others += u32::from(!is_own);
+        let counts = part * weight * samples.min(MOST_RAYS);
         let level = luminance(state.mean);
         self.mean += state.mean * counts;
         self.sum += counts;
         self.squares += counts * (level * level);
-        self.weights_squared += counts * counts;
-        self.noise += counts * variance;
+        self.noise += counts * mean_variance(state);
         self.trust += counts * lookup::trust(age);
     }
 
@@ -160,21 +165,19 @@ impl Asked {
     #[inline]
     pub fn said(&self) -> Said {
         let mut said = Said::default();
-        if self.sum <= 0.0 {
+        if self.others == 0 || self.sum <= 0.0 {
             return said;
         }
         said.mean = self.mean / self.sum;
         said.trust = self.trust / self.sum;
         let level = luminance(said.mean);
         let noise = self.noise / self.sum;
-        // What the neighbours differ by, beyond their noise.
+        // What they differ by, beyond their noise.
         let apart = (self.squares / self.sum - level * level - noise).max(0.0);
-        // The noise of their mean.
-        let left = noise * (self.weights_squared / (self.sum * self.sum));
         let least = LEAST_SPREAD * level;
-        let spread = apart + left + least * least;
+        let spread = apart + least * least;
         let ray_variance = self.ray_variance / self.ray_sum;
-        // Neighbours of which nothing tells that they are wrong are as good as any number of rays.
+        // Where nothing tells that they differ, they are as good as any number of rays.
         said.rays = if ray_variance > 0.0 {
             (ray_variance / spread.max(f32::MIN_POSITIVE)).min(MOST_WORTH)
         } else {

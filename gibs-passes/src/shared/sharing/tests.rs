@@ -26,8 +26,7 @@ fn packing_keeps_trust_and_rays() {
     assert!(Said::unpack(&least.pack()).trust > 0.0);
 }
 
-/// Two neighbours with the same mean and a variance of a ray of 1: of 100 rays each, their mean has the noise of 200. The
-/// least spread makes it less by 0.0009.
+/// Neighbours with the same mean, and a variance of a ray of 1: that of the least spread makes them worth 400 rays.
 #[test]
 fn the_guess_counts_by_its_variance() {
     let around = SurfelIrradiance {
@@ -40,7 +39,7 @@ fn the_guess_counts_by_its_variance() {
     asked.add(&around, 1.0, 100, false);
     asked.add(&around, 1.0, 100, false);
     let said = asked.said();
-    let rays = 1.0 / (1.0 / 200.0 + LEAST_SPREAD * LEAST_SPREAD);
+    let rays = 1.0 / (LEAST_SPREAD * LEAST_SPREAD);
     assert!((said.rays / rays - 1.0).abs() < 1e-4, "{}", said.rays);
     let own = SurfelIrradiance {
         mean: Vec3::ZERO,
@@ -61,24 +60,42 @@ fn the_guess_counts_by_its_variance() {
     assert_eq!(asked.said().pack().packed, said.pack().packed);
 }
 
-/// Where all around is black, a surfel that happened on light believes it little.
+/// Where one ray in so many finds light, one of nine surfels has had one, and their rays vary as such rays do, all say the mean
+/// of all: what the lucky one gives away is what the others take.
 #[test]
-fn black_neighbours_are_believed() {
-    let black = SurfelIrradiance {
-        samples: 100,
+fn what_a_lucky_one_gives_away_the_others_take() {
+    let (brightness, samples) = (16.0f32, 16);
+    let dark = SurfelIrradiance {
+        samples,
         ..SurfelIrradiance::default()
     };
     let lucky = SurfelIrradiance {
-        mean: Vec3::ONE,
-        samples: 4,
-        variance: 4.0,
-        ..SurfelIrradiance::default()
+        mean: Vec3::splat(brightness / samples as f32),
+        variance: brightness * brightness / samples as f32,
+        ..dark
     };
-    let mut asked = Asked::default();
-    asked.add(&lucky, 1.0, 0, true);
-    (0..8).for_each(|_| asked.add(&black, 1.0, 100, false));
-    let said = Said::unpack(&asked.said().pack());
-    assert!(light(&lucky, 0, &said).irradiance.x < 0.01);
+    // Those around each are the same nine, of which it is the nearest.
+    let shown = |own: &SurfelIrradiance, around: &[(SurfelIrradiance, f32)]| {
+        let mut asked = Asked::default();
+        asked.add(own, 1.0 / OWN_PART, 100, true);
+        around
+            .iter()
+            .for_each(|(state, weight)| asked.add(state, *weight, 100, false));
+        light(own, 100, &Said::unpack(&asked.said().pack()))
+            .irradiance
+            .x
+    };
+    let bright = shown(&lucky, &[(dark, 8.0)]);
+    let dim = shown(&dark, &[(dark, 7.0), (lucky, 1.0)]);
+    let before = lucky.mean.x;
+    assert!(
+        (bright + 8.0 * dim - before).abs() < 0.05 * before,
+        "{bright} + 8 * {dim}"
+    );
+    assert!(
+        bright < 0.2 * before && dim > 0.1 * before,
+        "{bright}, {dim}"
+    );
 }
 
 /// In the dark beside bright surfels, many rays that all found little are believed, few are not: the share of what the
@@ -105,13 +122,18 @@ fn the_dark_beside_the_bright_stays_dark() {
             .irradiance
             .x
     };
-    let said = |rays: f32, samples: f32| 0.05 + 0.95 * rays / (rays + samples);
-    // Pooled, a ray varies by (4 k 0.01 + 2 * 4) / (4 k + 2), where k is 1 up to 8 rays; four neighbours leave 4 / 64 / 4, and
-    // the least spread 0.03 of one.
-    let spread = 4.0 / 64.0 / 4.0 + 0.03 * 0.03;
-    for (samples, k) in [(4, 1.0), (8, 1.0), (64, 8.0), (640, 80.0)] {
+    // Pooled, a ray varies by (4 k 0.01 + 2 * 4) / (4 k + 2), where k is 1 up to 8 rays. Half of the dark one's weight of 4, by
+    // its rays, and 2 of 64 rays make up the mean, the noise, and what they differ by.
+    for (samples, k) in [(4, 1.0f32), (8, 1.0), (64, 8.0), (640, 80.0)] {
         let pooled = (4.0 * k * 0.01 + 8.0) / (4.0 * k + 2.0);
-        let expected = said(pooled / spread, samples as f32);
+        let (dark, bright) = (2.0 * samples as f32, 2.0 * 64.0);
+        let all = dark + bright;
+        let mean = (dark * 0.05 + bright) / all;
+        let noise = (dark * 0.01 / samples as f32 + bright * 4.0 / 64.0) / all;
+        let apart = (dark * 0.05 * 0.05 + bright) / all - mean * mean - noise;
+        let spread = apart.max(0.0) + (LEAST_SPREAD * mean).powi(2);
+        let rays = pooled / spread;
+        let expected = 0.05 + (mean - 0.05) * rays / (rays + samples as f32);
         let found = shown(samples);
         assert!(
             (found - expected).abs() < 1e-3,
