@@ -76,17 +76,13 @@ impl TruthCache {
             }
             Ok(None) => {}
             Err(problem) => {
-                warning = Some(format!(
-                    "{}: {problem}; it is rendered anew",
-                    path.display()
-                ));
+                warning = Some(format!("{problem}; the truth is rendered anew"));
             }
         }
         let (picture, _) = reference(backend, scene, view, options, progress)?;
         if let Err(problem) = self.store(&path, &key, &picture) {
             warning = Some(format!(
-                "{}: the truth cannot be kept ({problem}); name another folder with --cache, or none with --no-cache",
-                path.display()
+                "the truth cannot be kept: {problem}; name another folder with --cache, or none with --no-cache"
             ));
         }
         Ok(CachedReference {
@@ -97,7 +93,8 @@ impl TruthCache {
     }
 
     fn store(&self, path: &Path, key: &Key, picture: &Picture) -> Result<(), String> {
-        std::fs::create_dir_all(&self.folder).map_err(|error| error.to_string())?;
+        std::fs::create_dir_all(&self.folder)
+            .map_err(|error| format!("{}: {error}", self.folder.display()))?;
         let notes = BTreeMap::from([
             (KEY.to_owned(), key.hash.clone()),
             (CONTENT.to_owned(), content(picture)),
@@ -111,16 +108,21 @@ impl TruthCache {
 
 /// The picture, if there is a file; what is wrong with it, if it is not the one.
 fn load(path: &Path, key: &Key, size: [u32; 2]) -> Result<Option<Picture>, String> {
-    if !path.exists() {
-        return Ok(None);
+    match std::fs::metadata(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(format!("{}: {error}", path.display())),
+        // Others, such as a pipe, may never end.
+        Ok(found) if !found.is_file() => return Err(format!("{} is no file", path.display())),
+        Ok(_) => {}
     }
     let (picture, notes) = Picture::read_exr_with_notes(path).map_err(|error| error.to_string())?;
+    let wrong = |what: &str| format!("{}: {what}", path.display());
     let note = |name| notes.get(name).map(String::as_str);
     if note(KEY) != Some(&key.hash) || [picture.width, picture.height] != size {
-        return Err("it is another picture than its name says".into());
+        return Err(wrong("it is another picture than its name says"));
     }
     if note(CONTENT) != Some(&content(&picture)) {
-        return Err("its content has changed since it was written".into());
+        return Err(wrong("its content has changed since it was written"));
     }
     Ok(Some(picture))
 }

@@ -15,6 +15,14 @@ pub enum BenchError {
     /// The truth could not be read.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// Nothing can be compared with the truth.
+    #[error("{scene}: {source}")]
+    Truth {
+        /// Scene.
+        scene: String,
+        /// Why not.
+        source: CompareError,
+    },
     /// A picture could not be compared with the truth.
     #[error("{configuration} after {frames} frames against the truth: {source}")]
     Compare {

@@ -164,6 +164,19 @@ impl Truth {
         })
     }
 
+    /// Refuses one that nothing can be held against, such as a black one, before anything is.
+    ///
+    /// # Errors
+    /// [`BenchError::Truth`], with the name of the scene.
+    pub fn check(&self, scene: &str) -> Result<(), BenchError> {
+        let itself = compare(&self.picture, &self.picture, &CompareOptions::default());
+        let wrong = |source| BenchError::Truth {
+            scene: scene.into(),
+            source,
+        };
+        itself.map(drop).map_err(wrong)
+    }
+
     /// Pixels of the picture in a row for one of the truth's.
     pub fn step(&self) -> u32 {
         self.step

@@ -269,12 +269,15 @@ impl Live {
     fn show(&mut self, progress: &Progress) {
         self.title.set_length(progress.of.into());
         self.title.set_position(progress.done.into());
-        self.title
-            .set_message(format!("{:.2} ms", progress.frame_ms));
-        for (index, group) in progress.groups.iter().enumerate() {
+        self.title.set_message(match progress.frame_ms {
+            Some(ms) => format!("{ms:.2} ms"),
+            None => "warming up".into(),
+        });
+        let measured = progress.groups.iter().filter(|group| group.ms.is_some());
+        for (index, group) in measured.enumerate() {
             if self.groups.len() <= index {
                 let bar = self.lines.add(ProgressBar::new(1000));
-                if let Ok(style) = ProgressStyle::with_template("  {prefix:12} {bar:40} {msg}") {
+                if let Ok(style) = ProgressStyle::with_template("  {prefix:12} {wide_bar} {msg}") {
                     bar.set_style(style);
                 }
                 bar.set_prefix(group.name.clone());

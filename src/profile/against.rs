@@ -1,11 +1,13 @@
 //! Two profiles beside each other.
 use super::{Figure, Interval, Profile, StageCost};
 use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeSet;
 
 /// A profile against an older one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// What makes the two differ beside the program: scene, size, settings, device.
+    /// What the two were not alike in: version, scene, view, size, settings, seed, device.
     pub differences: Vec<String>,
     /// The frame as a whole.
     pub frame: Change,
@@ -54,24 +56,38 @@ pub fn compare(now: &Profile, before: &Profile) -> Comparison {
             differences.push(format!("{what}: {before} before, {now} now"));
         }
     };
+    differ("version", before.version.clone(), now.version.clone());
     differ("scene", before.scene.clone(), now.scene.clone());
     differ("backend", before.backend.clone(), now.backend.clone());
     differ("device", before.device.clone(), now.device.clone());
     differ("driver", before.driver.clone(), now.driver.clone());
     let size = |profile: &Profile| profile.size.map(|side| side.to_string()).join("x");
+    differ(
+        "backend's notes",
+        before.notes.join(", "),
+        now.notes.join(", "),
+    );
     differ("size", size(before), size(now));
+    differ("seed", before.seed.to_string(), now.seed.to_string());
     differ("runs", before.runs.to_string(), now.runs.to_string());
     differ("frames", before.frames.to_string(), now.frames.to_string());
     let warm_up = |profile: &Profile| profile.warm_up.to_string();
     differ("frames to warm up", warm_up(before), warm_up(now));
-    let keys: std::collections::BTreeSet<&String> =
-        before.settings.keys().chain(now.settings.keys()).collect();
+    let told = |value: Option<&Value>| value.map_or_else(|| "absent".to_owned(), Value::to_string);
+    let keys: BTreeSet<&String> = before.settings.keys().chain(now.settings.keys()).collect();
     for key in keys {
-        let value = |profile: &Profile| {
-            let value = profile.settings.get(key);
-            value.map_or_else(|| "absent".to_owned(), ToString::to_string)
-        };
+        let value = |profile: &Profile| told(profile.settings.get(key));
         differ(&format!("setting {key}"), value(before), value(now));
+    }
+    let views = [&before.view, &now.view].map(Value::as_object);
+    let keys: BTreeSet<&String> = views
+        .iter()
+        .flatten()
+        .flat_map(|view| view.keys())
+        .collect();
+    for key in keys {
+        let [before, now] = views.map(|view| told(view.and_then(|view| view.get(key))));
+        differ(&format!("view's {key}"), before, now);
     }
     let name = |stage: &StageCost| format!("{}/{}", stage.group, stage.cost.name);
     let costs = |profile: &Profile| -> Vec<(String, Option<Figure>)> {

@@ -34,8 +34,28 @@ pub enum ProfileError {
         /// Its format.
         found: String,
     },
+    /// It has nothing of any backend.
+    #[error("the profile {} is empty; write it anew with `gibs profile SCENE --json`", path.display())]
+    Empty {
+        /// File.
+        path: PathBuf,
+    },
+    /// It has a figure that nobody measured.
+    #[error(
+        "the profile {} has {found} for `{}`; write it anew with `gibs profile SCENE --json`",
+        path.display(),
+        name.escape_debug()
+    )]
+    Figure {
+        /// File.
+        path: PathBuf,
+        /// What the figure is of.
+        name: String,
+        /// What is wrong with it.
+        found: String,
+    },
     /// It has nothing of a backend.
-    #[error("the profile {} has nothing of the backend {backend}, only of {}; measure one of these", path.display(), found.join(", "))]
+    #[error("the profile {} has nothing of the backend {backend}, only of {}; measure one of these", path.display(), found.join(", ").escape_debug())]
     Backend {
         /// File.
         path: PathBuf,

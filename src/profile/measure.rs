@@ -37,8 +37,8 @@ pub struct Progress {
     pub of: u32,
     /// The groups so far, with medians and shares.
     pub groups: Vec<Cost>,
-    /// Median of the frame so far, milliseconds.
-    pub frame_ms: f64,
+    /// Median of the frame so far, milliseconds; `None` before the first measured frame.
+    pub frame_ms: Option<f64>,
 }
 
 /// Times of frames: for each run, for each frame.
@@ -121,7 +121,7 @@ pub fn measure(
                 done,
                 of: options.all_frames(),
                 groups: samples.groups(&schedule),
-                frame_ms: quantile(&samples.timed.concat(), 0.5),
+                frame_ms: samples.median(),
             });
         }
         last = Some(renderer);
@@ -139,16 +139,23 @@ pub fn measure(
     let device = backend.device();
     let profile = Profile {
         gibs_profile: FORMAT,
+        version: env!("CARGO_PKG_VERSION").into(),
         scene: name.into(),
+        // One that cannot be written as a file is told by its scene alone.
+        view: (view.to_json().ok())
+            .and_then(|text| serde_json::from_str(&text).ok())
+            .unwrap_or_default(),
         backend: backend.name().into(),
         device: device.name.clone(),
         driver: device.driver.clone(),
+        notes: device.notes.clone(),
         size: options.size,
         settings: match serde_json::to_value(settings) {
             Ok(serde_json::Value::Object(map)) => map.into_iter().collect(),
             _ => Default::default(),
         },
         runs: options.runs,
+        seed: options.seed,
         frames: options.frames,
         warm_up: options.warm_up,
         frame: samples.frame(&work),
@@ -180,6 +187,12 @@ impl Samples {
             let runs = runs.map(|run| run.iter().map(frame).collect());
             Figure::of(&runs.collect::<Vec<_>>())
         })
+    }
+
+    /// Of the timed frames, milliseconds.
+    fn median(&self) -> Option<f64> {
+        let all = self.timed.concat();
+        (!all.is_empty()).then(|| quantile(&all, 0.5))
     }
 
     fn all(&self) -> Option<Figure> {

@@ -26,27 +26,35 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the file format; others are refused.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// What was measured on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// [`FORMAT`].
     pub gibs_profile: u32,
+    /// Version of the program.
+    pub version: String,
     /// Scene, as it was named.
     pub scene: String,
+    /// How it is seen, as in a view file.
+    pub view: serde_json::Value,
     /// Backend.
     pub backend: String,
     /// Device behind it.
     pub device: String,
     /// Its driver and version.
     pub driver: String,
+    /// What else tells about the backend: threads, kernels.
+    pub notes: Vec<String>,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
     /// Every setting.
     pub settings: BTreeMap<String, serde_json::Value>,
     /// Runs, each from an empty cache.
     pub runs: u32,
+    /// Seed of the first run's random numbers.
+    pub seed: u32,
     /// Measured frames of each run.
     pub frames: u32,
     /// Frames of each run before the measured ones.
@@ -144,7 +152,8 @@ impl Profile {
     /// Reads profiles that `gibs profile --json` printed.
     ///
     /// # Errors
-    /// [`ProfileError::Read`], [`ProfileError::Parse`], [`ProfileError::Format`].
+    /// [`ProfileError::Read`], [`ProfileError::Parse`], [`ProfileError::Format`], [`ProfileError::Empty`],
+    /// [`ProfileError::Figure`].
     pub fn read(path: &Path) -> Result<Vec<Self>, ProfileError> {
         let text = std::fs::read_to_string(path).map_err(|source| ProfileError::Read {
             path: path.to_owned(),
@@ -164,6 +173,49 @@ impl Profile {
                 });
             }
         }
-        serde_json::from_value(values.into()).map_err(wrong)
+        let profiles: Vec<Self> = serde_json::from_value(values.into()).map_err(wrong)?;
+        if profiles.is_empty() {
+            return Err(ProfileError::Empty {
+                path: path.to_owned(),
+            });
+        }
+        for profile in &profiles {
+            if let Some((name, found)) = profile.broken() {
+                return Err(ProfileError::Figure {
+                    path: path.to_owned(),
+                    name,
+                    found,
+                });
+            }
+        }
+        Ok(profiles)
+    }
+
+    /// The first figure that cannot have been measured, and what is wrong with it.
+    fn broken(&self) -> Option<(String, String)> {
+        let frame = &self.frame;
+        let of_frame = [
+            ("frame", Some(&frame.wall_ms)),
+            ("steps of the frame", frame.steps_ms.as_ref()),
+            ("tracing of the frame", frame.tracing_ms.as_ref()),
+        ];
+        let costs = self.groups.iter();
+        let costs = costs.chain(self.stages.iter().chain(&self.steps).map(|row| &row.cost));
+        let costs = costs.map(|cost| (cost.name.as_str(), cost.ms.as_ref()));
+        of_frame
+            .into_iter()
+            .chain(costs)
+            .find_map(|(name, figure)| {
+                let figure = figure?;
+                let runs = figure.of_runs.len();
+                let is_time = |ms: &f64| ms.is_finite() && *ms >= 0.0;
+                let found = if runs != self.runs as usize || runs == 0 {
+                    format!("medians of {runs} runs, where there were {}", self.runs)
+                } else {
+                    let all = figure.of_runs.iter().chain([&figure.median, &figure.p95]);
+                    format!("{} milliseconds", all.into_iter().find(|ms| !is_time(ms))?)
+                };
+                Some((name.to_owned(), found))
+            })
     }
 }

@@ -133,7 +133,7 @@ fn line(name: &str, cost: &Cost, row: Option<&StageCost>) -> String {
 pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
     let mut text = String::new();
     for difference in &comparison.differences {
-        let _ = writeln!(text, "not alike: {difference}");
+        let _ = writeln!(text, "not alike: {}", difference.escape_debug());
     }
     let _ = writeln!(
         text,
@@ -155,7 +155,7 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
         };
         let line = format!(
             "{:<42} {:>10} {:>10} {:>7}  {:<16} {verdict}",
-            change.name,
+            change.name.escape_debug().to_string(),
             ms(change.before_ms),
             ms(change.now_ms),
             ratio.unwrap_or_default(),
@@ -219,7 +219,7 @@ fn percent(ratio: &Interval) -> String {
             added(low),
             added(high)
         ),
-        None => format!("{:+.1} %", added(ratio.ratio)),
+        None => format!("{:+.1} %, of one pair of frames", added(ratio.ratio)),
     }
 }
 

@@ -25,13 +25,17 @@ fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
         .collect();
     Profile {
         gibs_profile: FORMAT,
+        version: "1".into(),
         scene: "cornell".into(),
+        view: serde_json::json!({ "exposure": 1 }),
         backend: "cpu".into(),
         device: "a processor".into(),
         driver: "none".into(),
+        notes: vec!["2 threads".into()],
         size: [4, 3],
         settings: [("rays".to_owned(), serde_json::Value::from(100))].into(),
         runs: frame.len() as u32,
+        seed: 0,
         frames: 1,
         warm_up: 0,
         frame: FrameCost {
@@ -132,13 +136,21 @@ fn what_is_slower_than_the_noise_is_told() {
     assert_eq!(text.matches("SLOWER").count(), 1, "{text}");
 
     new.size = [8, 6];
+    new.seed = 7;
+    new.version = "2".into();
+    new.notes = vec!["1 threads".into()];
+    new.view["exposure"] = 2.into();
     new.settings.insert("rays".into(), 200.into());
     let told = compare(&new, &old).differences;
     assert_eq!(
         told,
         [
+            "version: 1 before, 2 now",
+            "backend's notes: 2 threads before, 1 threads now",
             "size: 4x3 before, 8x6 now",
-            "setting rays: 100 before, 200 now"
+            "seed: 0 before, 7 now",
+            "setting rays: 100 before, 200 now",
+            "view's exposure: 1 before, 2 now"
         ]
     );
     let single = compare(&profile(&[1.0], &[]), &profile(&[9.0], &[]));

@@ -271,6 +271,40 @@ fn what_does_not_fit_is_refused() {
     refused(&["bench", "--cache", "x", "--no-cache"], &["--no-cache"]);
 }
 
+/// A dark room's truth is refused before anything is measured there, and what was measured before is kept.
+#[test]
+fn what_is_measured_is_kept_when_a_later_scene_fails() {
+    let folder = Folder::new("kept");
+    let report = folder.path("report");
+    let more = [
+        "--elements",
+        "depth",
+        "--seeds",
+        "1",
+        "--search",
+        "0",
+        "--no-cache",
+        "--json",
+        "--report",
+        &report,
+    ];
+    let scenes = ["bench", "cornell", "sealed-rooms"];
+    let output = gibs(&[&scenes, &FEW[2..14], &more].concat());
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(
+        message.contains("sealed-rooms: the truth's mean luminance"),
+        "{message}"
+    );
+    let printed: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let written: Value = serde_json::from_str(&folder.read("report/bench.json")).unwrap();
+    assert_eq!(printed, written);
+    let measured = written["measured"].as_array().unwrap();
+    assert_eq!(measured.len(), 1);
+    assert_eq!(measured[0]["scene"], "cornell");
+    assert!(folder.read("report/bench.html").contains("cornell"));
+}
+
 /// Opens the page in a browser without a window, where there is one.
 #[test]
 fn browsers_have_nothing_to_complain_about() {

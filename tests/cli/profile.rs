@@ -53,6 +53,43 @@ fn profiles_are_printed_compared_and_traced() {
     assert_eq!(against["frame"]["name"], "frame", "{against}");
     assert!(against["frame"]["ratio"].is_object(), "{against}");
     assert!(profiles[0].get("against").is_none());
+    // Figures that nobody measured are refused by name, and names are told without what a terminal would obey.
+    let wall = |of_runs: Value| {
+        let mut changed: Value = serde_json::from_str(&printed).unwrap();
+        changed[0]["frame"]["wall_ms"]["of_runs"] = of_runs;
+        changed
+    };
+    let mut escape = wall(Value::Array(vec![]));
+    escape[0]["frame"] = profiles[0]["frame"].clone();
+    escape[0]["groups"][0]["name"] = "\u{1b}[2J".into();
+    escape[0]["groups"][0]["ms"]["median"] = (-1.0).into();
+    for (name, broken, parts) in [
+        (
+            "no-runs.json",
+            wall(serde_json::json!([])),
+            ["`frame`", "0 runs"],
+        ),
+        (
+            "more-runs.json",
+            wall(serde_json::json!([1, 2, 3])),
+            ["`frame`", "there were 2"],
+        ),
+        (
+            "negative.json",
+            wall(serde_json::json!([1, -2])),
+            ["`frame`", "-2 milliseconds"],
+        ),
+        ("escape.json", escape, ["`\\u{1b}[2J`", "-1 milliseconds"]),
+        (
+            "empty.json",
+            serde_json::json!([]),
+            ["is empty", "gibs profile"],
+        ),
+    ] {
+        let broken = folder.write(name, &broken.to_string());
+        let parts = [&parts[..], &[name, "write it anew"]].concat();
+        refused(&small(&["--against", &broken]), &parts);
+    }
     let trace: Value = serde_json::from_str(&folder.read("trace.json")).unwrap();
     let events = trace["traceEvents"].as_array().unwrap();
     let frames = events.iter().filter(|e| e["tid"] == 1 && e["ph"] == "X");

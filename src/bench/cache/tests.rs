@@ -141,6 +141,14 @@ fn what_is_there_is_found_and_what_is_broken_is_replaced() {
         assert!(anew.picture == first.picture);
         assert!(get().found, "what replaces it is whole");
     }
+
+    // Reading a pipe would wait for somebody to write.
+    std::fs::remove_file(file).expect("removed");
+    let made = std::process::Command::new("mkfifo").arg(file).status();
+    assert!(made.expect("mkfifo").success());
+    let warning = get().warning.expect("a warning");
+    assert!(warning.contains("not a plain file"), "{warning}");
+    assert_eq!(warning.matches(".exr").count(), 1, "{warning}");
 }
 
 #[test]

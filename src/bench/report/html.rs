@@ -1,6 +1,6 @@
 //! The report as one file that a browser opens, with plots and pictures in it.
 use super::sections::{pictures, plots, tables};
-use super::table::{asked, rounded, with_interval};
+use super::table::{asked, rounded, times, with_interval};
 use super::{BenchReport, Measured, heading};
 use crate::bench::{EqualError, Kind};
 use crate::html::{escaped, page};
@@ -96,13 +96,13 @@ fn summary(body: &mut String, all: &[Measured]) {
             let traced = at(Kind::EqualTime).map_or_else(String::new, |after| {
                 with_interval(after.errors.mape, 100.0, false) + " %"
             });
-            let times = |baseline: &str| {
+            let needs = |baseline: &str| {
                 let of = |e: &&EqualError| {
                     e.baseline == baseline && e.frames == frames && e.metric == "rel_mse"
                 };
                 measured.equal_error.iter().find(of).map(|equal| {
                     let more = if equal.reached { "" } else { "&gt; " };
-                    format!("{more}{} times", rounded(equal.times.mean, 2, false))
+                    format!("{more}{} times", times(equal))
                 })
             };
             let _ = write!(
@@ -114,8 +114,8 @@ fn summary(body: &mut String, all: &[Measured]) {
                 rounded(own.seconds.mean, 3, false),
                 with_interval(own.errors.mape, 100.0, false),
                 with_interval(own.errors.rel_mse, 1.0, false),
-                times("path tracing").unwrap_or_default(),
-                times("brute force").unwrap_or_default(),
+                needs("path tracing").unwrap_or_default(),
+                needs("brute force").unwrap_or_default(),
             );
         }
     }

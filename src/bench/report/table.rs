@@ -77,6 +77,14 @@ pub(super) const EQUAL_HEADS: [&str; 7] = [
     "times the time",
 ];
 
+/// How many times the time: with its interval, where the error was reached.
+pub(super) fn times(equal: &EqualError) -> String {
+    match equal.reached {
+        true => with_interval(equal.times, 1.0, false),
+        false => rounded(equal.times.mean, 2, false),
+    }
+}
+
 /// What stands in them; with `>` where more is needed than was tried.
 pub(super) fn equal_cells(equal: &EqualError) -> [String; 7] {
     let more = if equal.reached { "" } else { "> " };
@@ -84,10 +92,7 @@ pub(super) fn equal_cells(equal: &EqualError) -> [String; 7] {
         "rel_mse" => format!("relMSE of {}", rounded(equal.error.mean, 3, false)),
         _ => format!("MAPE of {} %", rounded(equal.error.mean * 100.0, 3, false)),
     };
-    let times = match equal.reached {
-        true => with_interval(equal.times, 1.0, false),
-        false => rounded(equal.times.mean, 2, false),
-    };
+    let times = times(equal);
     [
         equal.baseline.clone(),
         equal.frames.to_string(),

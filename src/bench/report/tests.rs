@@ -181,7 +181,7 @@ fn the_page_has_everything_and_asks_for_nothing() {
         "no &lt;driver&gt;",
         "a device",
         "a driver",
-        "18 times",
+        " ± 2.3 times",
         "&gt; 412",
         "without depth",
         "<svg",

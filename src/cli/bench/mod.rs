@@ -135,10 +135,64 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         not_run,
         measured: Vec::new(),
     };
-    for (index, (name, loaded)) in args.scenes.iter().zip(&scenes).enumerate() {
-        let Some(first) = backends.first() else {
-            break;
+    let all = Work {
+        args,
+        options: &options,
+        scenes: &scenes,
+        backends: &backends,
+        truth: given.as_ref(),
+        cache: cache.as_ref(),
+        rays: settings.rays,
+    };
+    let done = all.measure(&mut report);
+    // What was measured is not lost when a later scene fails.
+    if args.json && (done.is_ok() || !report.measured.is_empty()) {
+        say!("{}", json(&report));
+    }
+    done
+}
+
+fn json(report: &BenchReport) -> String {
+    serde_json::to_string_pretty(report).unwrap_or_default()
+}
+
+/// What is to be measured.
+struct Work<'a> {
+    args: &'a Args,
+    options: &'a Options,
+    scenes: &'a [Loaded],
+    backends: &'a [Box<dyn Backend>],
+    /// The truth that was given.
+    truth: Option<&'a Truth>,
+    cache: Option<&'a TruthCache>,
+    rays: u32,
+}
+
+impl Work<'_> {
+    /// Measures every scene on every backend. The files are written anew after each, with all that is there by then.
+    fn measure(&self, report: &mut BenchReport) -> Result<(), CommandError> {
+        let Some(first) = self.backends.first() else {
+            return Ok(());
         };
+        for index in 0..self.scenes.len() {
+            self.scene(index, first.as_ref(), report)?;
+        }
+        Ok(())
+    }
+
+    fn scene(
+        &self,
+        index: usize,
+        first: &dyn Backend,
+        report: &mut BenchReport,
+    ) -> Result<(), CommandError> {
+        let Self {
+            args,
+            options,
+            cache,
+            ..
+        } = *self;
+        let (name, loaded) = (&args.scenes[index], &self.scenes[index]);
         let target = |backend| Target {
             backend,
             scene: &loaded.scene,
@@ -146,19 +200,20 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             size: args.size,
         };
         // One truth for all backends, so that its noise is the same for all.
-        let of_first = target(first.as_ref());
-        let truth = match &given {
+        let of_first = target(first);
+        let truth = match self.truth {
             Some(truth) => truth.clone(),
-            None => path_trace(&of_first, args.spp, cache.as_ref())?,
+            None => path_trace(&of_first, args.spp, cache)?,
         };
+        truth.check(name)?;
         let look = match args.report {
-            Some(_) => Some(look(&truth, &of_first, args.spp, cache.as_ref())?),
+            Some(_) => Some(look(&truth, &of_first, args.spp, cache)?),
             None => None,
         };
-        for backend in &backends {
+        for backend in self.backends {
             let target = target(backend.as_ref());
-            let mut measured = measure(&target, &truth, &options, name, loaded)?;
-            measured.rays = settings.rays;
+            let mut measured = measure(&target, &truth, options, name, loaded)?;
+            measured.rays = self.rays;
             measured.pictures.truth = look.clone();
             if !args.json {
                 let tables = bench::table(&measured.rows);
@@ -173,16 +228,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
                 }
             }
             report.measured.push(measured);
+            if let Some(folder) = &args.report {
+                files::write(folder, report, &json(report))?;
+            }
         }
+        Ok(())
     }
-    let json = serde_json::to_string_pretty(&report).unwrap_or_default();
-    if let Some(folder) = &args.report {
-        files::write(folder, &report, &json)?;
-    }
-    if args.json {
-        say!("{json}");
-    }
-    Ok(())
 }
 
 /// Refuses options that are of one scene where there are several.
