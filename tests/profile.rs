@@ -147,9 +147,11 @@ fn what_is_left_out_can_be_measured() {
         let measured = savings(&gi, &view, on, |done, of| last = (done, of)).unwrap();
         assert_eq!(last.0, last.1);
         for saving in &measured {
+            // Where the device has no ray queries, there is nothing to measure.
+            let can = saving.need.name != "ray queries" || backend.device().ray_query;
             assert_eq!(
                 saving.time.is_some(),
-                !saving.need.present,
+                !saving.need.present && can,
                 "{}",
                 saving.need.name
             );
