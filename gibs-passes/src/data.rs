@@ -349,11 +349,11 @@ element! {
         trust: f32,
     }
 
-    /// What a surfel's neighbours say about its irradiance, see [`Said`](crate::shared::sharing::Said).
+    /// What a surfel and its neighbours say about its irradiance, see [`Said`](crate::shared::sharing::Said).
     pub struct Neighbours {
         /// Weighted mean of their irradiance, W/m^2.
         mean: Vec3,
-        /// Trust and noise, packed; 0 where there are no neighbours.
+        /// Trust and rays, packed; 0 where there are no neighbours.
         packed: u32,
     }
 

@@ -1,5 +1,5 @@
-// Irradiance shared between neighbouring surfels (GIBS, "Irradiance Sharing"): a guess that has less noise, and counts by
-// the inverse of its variance.
+// Irradiance shared between neighbouring surfels (GIBS, "Irradiance Sharing"): their mean is a guess that has less noise, towards
+// which a surfel's own mean is drawn by its noise over what they differ by.
 import package::estimator::estimator_luminance;
 import package::lookup::lookup_trust;
 import package::types::{Neighbours, SurfelIrradiance, SurfelLight};
@@ -89,7 +89,7 @@ fn sharing_light(state: SurfelIrradiance, age: u32, neighbours: SharingSaid) -> 
     if state.samples == 0u {
         return SurfelLight(neighbours.mean, neighbours.trust);
     }
-    // Each counts by its rays, the inverse of its variance.
+    // Each counts by its rays.
     let share = neighbours.rays / (neighbours.rays + f32(state.samples));
     return SurfelLight(
         state.mean + (neighbours.mean - state.mean) * share,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 /// A profile against an older one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// What the two were not alike in: version, scene, view, size, settings, seed, device.
+    /// What the two were not alike in: of the program, the scene, the view, the settings, the measurement or the device.
     pub differences: Vec<String>,
     /// The frame as a whole.
     pub frame: Change,

@@ -1,5 +1,6 @@
 //! What reading a profile can fail with.
 use super::FORMAT;
+use super::table::printable;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -44,7 +45,7 @@ pub enum ProfileError {
     #[error(
         "the profile {} has {found} for `{}`; write it anew with `gibs profile SCENE --json`",
         path.display(),
-        name.escape_debug()
+        printable(name)
     )]
     Figure {
         /// File.
@@ -55,7 +56,7 @@ pub enum ProfileError {
         found: String,
     },
     /// It has nothing of a backend.
-    #[error("the profile {} has nothing of the backend {backend}, only of {}; measure one of these", path.display(), found.join(", ").escape_debug())]
+    #[error("the profile {} has nothing of the backend {backend}, only of {}; measure one of these", path.display(), printable(&found.join(", ")))]
     Backend {
         /// File.
         path: PathBuf,

@@ -49,10 +49,13 @@ pub fn savings(
     let left_out = all.iter().filter(|saving| !saving.need.present).count() as u32;
     let mut done = 0;
     for (saving, variant) in all.iter_mut().zip(gi.variants()) {
-        // The CPU backend takes any frame with ray queries, and traces in software.
-        let queries = variant.frame.settings.ray_queries && !backend.device().ray_query;
-        if saving.need.present || queries {
-            done += if saving.need.present { 0 } else { frames * 2 };
+        if saving.need.present {
+            continue;
+        }
+        // The CPU backend takes a frame with ray queries, and traces in software.
+        if variant.name == "ray queries" && !backend.device().ray_query {
+            done += frames * 2;
+            progress(done, left_out * frames * 2);
             continue;
         }
         let mut with = match Renderer::of(backend, gi.variant(&variant)?, view) {
@@ -61,6 +64,7 @@ pub fn savings(
                 BackendError::Refused { .. } | BackendError::Limit { .. },
             )) => {
                 done += frames * 2;
+                progress(done, left_out * frames * 2);
                 continue;
             }
             made => made?,

@@ -133,7 +133,7 @@ fn line(name: &str, cost: &Cost, row: Option<&StageCost>) -> String {
 pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
     let mut text = String::new();
     for difference in &comparison.differences {
-        let _ = writeln!(text, "not alike: {}", difference.escape_debug());
+        let _ = writeln!(text, "not alike: {}", printable(difference));
     }
     let _ = writeln!(
         text,
@@ -155,7 +155,7 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
         };
         let line = format!(
             "{:<42} {:>10} {:>10} {:>7}  {:<16} {verdict}",
-            change.name.escape_debug().to_string(),
+            printable(&change.name),
             ms(change.before_ms),
             ms(change.now_ms),
             ratio.unwrap_or_default(),
@@ -221,6 +221,15 @@ fn percent(ratio: &Interval) -> String {
         ),
         None => format!("{:+.1} %, of one pair of frames", added(ratio.ratio)),
     }
+}
+
+/// Text of a file without what a terminal would obey.
+pub(super) fn printable(text: &str) -> String {
+    let shown = |c: char| match c.is_control() {
+        true => c.escape_debug().to_string(),
+        false => c.to_string(),
+    };
+    text.chars().map(shown).collect()
 }
 
 /// A number with three digits and a unit of a thousand.

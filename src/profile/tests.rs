@@ -91,7 +91,7 @@ fn repetitions_prefix_sums_and_clears_are_one_stage() {
         ("spawn/rank_apply", "rank"),
         ("apply/lighting_apply", "lighting_apply"),
         ("filtering/drift_blocks", "drift_blocks"),
-        ("clear goes_on_2", "clear"),
+        ("clear ray_radiance", "clear"),
     ] {
         assert_eq!(stage_of(label), stage, "{label}");
     }
@@ -99,7 +99,7 @@ fn repetitions_prefix_sums_and_clears_are_one_stage() {
 
 #[test]
 fn what_is_slower_than_the_noise_is_told() {
-    let old = profile(
+    let mut old = profile(
         &[10.0, 10.1, 9.9],
         &[
             ("same", &[1.0, 1.1, 0.9]),
@@ -153,6 +153,14 @@ fn what_is_slower_than_the_noise_is_told() {
             "view's exposure: 1 before, 2 now"
         ]
     );
+    let text = comparison_table(&compare(&new, &old), [3, 3]);
+    assert!(
+        text.contains("not alike: view's exposure: 1 before"),
+        "{text}"
+    );
+    old.scene = "\u{1b}[2J".into();
+    let text = comparison_table(&compare(&new, &old), [3, 3]);
+    assert!(text.contains("scene: \\u{1b}[2J before"), "{text}");
     let single = compare(&profile(&[1.0], &[]), &profile(&[9.0], &[]));
     assert_eq!(single.frame.verdict, Verdict::Unknown);
 }

@@ -203,7 +203,7 @@ pub fn light(state: &SurfelIrradiance, age: u32, neighbours: &Said) -> SurfelLig
             trust: neighbours.trust,
         };
     }
-    // Each counts by its rays, the inverse of its variance.
+    // Each counts by its rays.
     let share = neighbours.rays / (neighbours.rays + state.samples as f32);
     SurfelLight {
         irradiance: state.mean + (neighbours.mean - state.mean) * share,

@@ -28,7 +28,7 @@ fn packing_keeps_trust_and_rays() {
 
 /// Neighbours with the same mean, and a variance of a ray of 1: that of the least spread makes them worth 400 rays.
 #[test]
-fn the_guess_counts_by_its_variance() {
+fn the_guess_counts_by_how_little_surfels_differ() {
     let around = SurfelIrradiance {
         mean: Vec3::ONE,
         samples: 100,
