@@ -1,6 +1,7 @@
 //! Tests of `shared/sharing.rs`.
 use super::*;
-use crate::shared::hash;
+use crate::data::SurfelPose;
+use crate::shared::{estimator, hash, lookup};
 
 #[test]
 fn packing_keeps_trust_and_rays() {
@@ -96,6 +97,51 @@ fn what_a_lucky_one_gives_away_the_others_take() {
         bright < 0.2 * before && dim > 0.1 * before,
         "{bright}, {dim}"
     );
+}
+
+/// Surfels in rows and columns on a plane that closes on itself, with the weights of the lookup, where one ray in a hundred finds
+/// light: what they say is together what they have found, but for 4 %. Without the surfel among its neighbours 18 % are lost
+/// after two frames.
+#[test]
+fn rare_light_is_not_lost_by_sharing() {
+    const SIDE: u32 = 64;
+    const APART: f32 = 0.7;
+    let found = |surfel: u32, frames: u32| {
+        let mut state = SurfelIrradiance::default();
+        for frame in 0..frames {
+            let ray = |ray: u32| hash::unit(hash::hash3(surfel, frame, ray)) < 0.01;
+            let lit = (0..4).filter(|&k| ray(k)).count() as f32;
+            state = estimator::update(&state, Vec3::splat(25.0 * lit), 4, frame, false);
+        }
+        state
+    };
+    let wide = SurfelPose {
+        radius: REACH as f32,
+        normal: Vec3::Y,
+        ..SurfelPose::default()
+    };
+    for frames in [2, 8, 16] {
+        let states: Vec<_> = (0..SIDE * SIDE).map(|i| found(i, frames)).collect();
+        let said = |own: u32| {
+            let mut asked = Asked::default();
+            for (x, y) in (-3..=3i32).flat_map(|y| (-3..=3i32).map(move |x| (x, y))) {
+                let d = Vec3::new(x as f32, 0.0, y as f32) * APART;
+                let column = (own % SIDE).wrapping_add_signed(x) % SIDE;
+                let row = (own / SIDE).wrapping_add_signed(y) % SIDE;
+                let state = &states[(row * SIDE + column) as usize];
+                let weight = lookup::falloff(d, &wide);
+                asked.add(state, weight, frames, (x, y) == (0, 0));
+            }
+            let said = Said::unpack(&asked.said().pack());
+            light(&states[own as usize], frames, &said).irradiance.x
+        };
+        let before: f32 = states.iter().map(|state| state.mean.x).sum();
+        let after: f32 = (0..SIDE * SIDE).map(said).sum();
+        assert!(
+            (after / before - 1.0).abs() < 0.06,
+            "{frames} frames: {after} of {before}"
+        );
+    }
 }
 
 /// In the dark beside bright surfels, many rays that all found little are believed, few are not: the share of what the
