@@ -152,8 +152,9 @@ fn a_cut_to_another_place_reuses_the_slots() {
         }
     }
     println!("mean coverage and E {after:.4?}, without a cut {expected:.4?}");
-    // Over 24 seeds it is 5.0 % less, with 0.3 % of standard error (4.4 % where surfels did not yet count among their neighbours): what both places see has thinned out, and its surfels are not
-    // those that this view would have. Of six seeds that error is 0.6 %, and three of those are 1.8 %.
+    // Over 24 seeds it is 5.0 % less, with 0.3 % of standard error (4.4 % where surfels did not yet count among their neighbours):
+    // what both places see has thinned out, and its surfels are not those that this view would have. Of six seeds that error
+    // is 0.6 %, and three of those are 1.8 %.
     assert!(after[0] > 0.932 * expected[0]);
     assert!((after[1] / expected[1] - 1.0).abs() < 0.03);
 }
