@@ -86,11 +86,16 @@ fn lookup_trust(age: u32) -> f32 {
     return min((f32(age) + 1.0) / LOOKUP_TRUSTED_AFTER, 1.0);
 }
 
-/// Distance factor: `LOOKUP_PEAK` at the centre, 0 at the radius, smooth at both.
-fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
+/// Nearness of a point to a surfel's centre: 1 there, 0 at the radius.
+fn lookup_nearness(d: vec3<f32>, pose: SurfelPose) -> f32 {
     let h = vector_dot(d, pose.normal);
     let squared = (vector_dot(d, d) + (LOOKUP_SQUASH * LOOKUP_SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
-    let k = max(1.0 - squared, 0.0);
+    return max(1.0 - squared, 0.0);
+}
+
+/// Distance factor: `LOOKUP_PEAK` at the centre, 0 at the radius, smooth at both.
+fn lookup_falloff(d: vec3<f32>, pose: SurfelPose) -> f32 {
+    let k = lookup_nearness(d, pose);
     return LOOKUP_PEAK * k * k;
 }
 

@@ -2,31 +2,40 @@
 import package::estimator::estimator_luminance;
 import package::types::SurfelIrradiance;
 
-/// Rays that a surfel integrates before it counts as settled.
+/// Rays before which a surfel's own variance is not believed.
 const REQUESTS_FRESH: u32 = 128u;
+/// Rays before which that of a surfel and its neighbours is not believed.
+const REQUESTS_FRESH_AMONG_NEIGHBOURS: u32 = 24u;
 /// Most units.
-const REQUESTS_MOST: u32 = 32u;
+const REQUESTS_MOST: u32 = 128u;
 /// Units of a surfel that has not settled where nothing steers.
 const REQUESTS_UNSTEERED_FRESH: u32 = 4u;
 /// Relative standard error of its irradiance at which a surfel asks for the most.
-const REQUESTS_ERROR: f32 = 0.4;
+const REQUESTS_ERROR: f32 = 1.6;
 /// Frames unseen from which on a surfel asks for a quarter.
 const REQUESTS_UNSEEN: u32 = 4u;
 
-/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, its variance decides.
-fn requests_request(state: SurfelIrradiance, unseen: u32, steered: bool) -> u32 {
-    let fresh = state.samples < REQUESTS_FRESH;
+/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides: that
+/// which it and its neighbours have found, `said`, or its own where that is 0.
+fn requests_request(state: SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {
-        return select(1u, REQUESTS_UNSTEERED_FRESH, fresh);
+        return select(1u, REQUESTS_UNSTEERED_FRESH, state.samples < REQUESTS_FRESH);
     }
-    var units = REQUESTS_MOST;
-    if !fresh {
-        let error = sqrt(state.variance / f32(state.samples));
+    let samples = f32(state.samples);
+    var fresh = REQUESTS_FRESH;
+    var relative = 0.0;
+    if said > 0.0 {
+        fresh = REQUESTS_FRESH_AMONG_NEIGHBOURS;
+        relative = sqrt(said / samples);
+    } else {
+        let error = sqrt(state.variance / samples);
         let level = max(estimator_luminance(state.mean), estimator_luminance(state.short_mean));
-        var relative = 0.0;
         if level > 0.0 {
             relative = error / level;
         }
+    }
+    var units = REQUESTS_MOST;
+    if state.samples >= fresh {
         units = u32(clamp(relative * (f32(REQUESTS_MOST) / REQUESTS_ERROR), 1.0, f32(REQUESTS_MOST)));
     }
     if unseen > REQUESTS_UNSEEN {

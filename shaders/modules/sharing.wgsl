@@ -31,8 +31,12 @@ const SHARING_PERIOD: u32 = 4u;
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.
 const SHARING_TRUST_STEPS: f32 = 255.0;
-/// Bits that packed rays lack of their float: the sign, and the last of the mantissa.
-const SHARING_RAYS_SHIFT: u32 = 7u;
+/// Bits of packed rays: the first of their float after the sign.
+const SHARING_RAYS_BITS: u32 = 14u;
+/// Bits of a packed variance of a ray.
+const SHARING_VARIANCE_BITS: u32 = 10u;
+/// The variance of a ray is said to be no more than this.
+const SHARING_MOST_VARIANCE: f32 = 1048576.0;
 
 /// What a surfel's neighbours say about its irradiance: its mean, how far to trust it, and how many of the surfel's own rays
 /// are as good.
@@ -40,22 +44,37 @@ struct SharingSaid {
     mean: vec3<f32>,
     trust: f32,
     rays: f32,
+    /// Variance of the luminance that one ray brings, over the square of the mean's luminance.
+    ray_variance: f32,
 }
 
-/// Trust in bits 0-7, rays in bits 8-31.
+/// The first bits of a number that is not negative, after the sign.
+fn sharing_first_bits(value: f32, bits: u32) -> u32 {
+    return bitcast<u32>(value) >> (31u - bits);
+}
+
+/// The number that begins with these bits.
+fn sharing_from_first_bits(first: u32, bits: u32) -> f32 {
+    return bitcast<f32>((first & ((1u << bits) - 1u)) << (31u - bits));
+}
+
+/// Trust in bits 0-7, rays in bits 8-21, the variance of a ray in bits 22-31.
 fn sharing_pack(said: SharingSaid) -> Neighbours {
     if said.trust <= 0.0 {
         return Neighbours();
     }
     let trust = u32(min(ceil(said.trust * SHARING_TRUST_STEPS), SHARING_TRUST_STEPS));
-    return Neighbours(said.mean, trust | ((bitcast<u32>(said.rays) >> SHARING_RAYS_SHIFT) << 8u));
+    let rays = sharing_first_bits(said.rays, SHARING_RAYS_BITS) << 8u;
+    let variance = sharing_first_bits(said.ray_variance, SHARING_VARIANCE_BITS) << (8u + SHARING_RAYS_BITS);
+    return Neighbours(said.mean, trust | rays | variance);
 }
 
 fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
     return SharingSaid(
         neighbours.mean,
         f32(neighbours.packed & 0xffu) / SHARING_TRUST_STEPS,
-        bitcast<f32>((neighbours.packed >> 8u) << SHARING_RAYS_SHIFT),
+        sharing_from_first_bits(neighbours.packed >> 8u, SHARING_RAYS_BITS),
+        sharing_from_first_bits(neighbours.packed >> (8u + SHARING_RAYS_BITS), SHARING_VARIANCE_BITS),
     );
 }
 

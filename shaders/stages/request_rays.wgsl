@@ -1,13 +1,26 @@
 // How many rays each surfel would like.
 import package::invocation::invocation_index;
 import package::requests::requests_request;
+@if(neighbours) import package::sharing::sharing_unpack;
+@if(neighbours) import package::types::Neighbours;
 import package::types::{SurfelIrradiance, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
 @group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(2) var<storage, read> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(3) var<storage, read> unseen: array<u32>;
-@group(0) @binding(4) var<storage, read_write> requests: array<u32>;
+@if(neighbours) @group(0) @binding(4) var<storage, read> neighbours: array<Neighbours>;
+@group(0) @binding(5) var<storage, read_write> requests: array<u32>;
+
+// Relative variance of a ray of a surfel, as it and its neighbours have found it.
+@if(neighbours)
+fn variance_of(i: u32) -> f32 {
+    return sharing_unpack(neighbours[i]).ray_variance;
+}
+@else
+fn variance_of(i: u32) -> f32 {
+    return 0.0;
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -23,5 +36,5 @@ fn main(
         requests[i] = 0u;
         return;
     }
-    requests[i] = requests_request(irradiance[i], unseen[i], settings.steered != 0u);
+    requests[i] = requests_request(irradiance[i], variance_of(i), unseen[i], settings.steered != 0u);
 }

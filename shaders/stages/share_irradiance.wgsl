@@ -1,12 +1,13 @@
-// Asks the neighbours of each uncertain surfel for their irradiance, with the weights of the lookup.
+// Asks the neighbours of each uncertain surfel for their irradiance, by how near they are, with the normal and depth
+// factors of the lookup.
 import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::estimator::estimator_luminance;
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
-import package::lookup::{lookup_alignment, lookup_falloff, lookup_trust};
+import package::lookup::{lookup_alignment, lookup_nearness, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
+    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_VARIANCE, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
@@ -62,7 +63,7 @@ fn ask(own: u32) -> SharingSaid {
         var wide = pose;
         wide.radius = f32(SHARING_REACH) * pose.radius;
         let d = point - pose.position;
-        var weight = lookup_falloff(d, wide) * lookup_alignment(normal, pose);
+        var weight = lookup_nearness(d, wide) * lookup_alignment(normal, pose);
         if weight <= 0.0 {
             continue;
         }
@@ -102,6 +103,7 @@ fn ask(own: u32) -> SharingSaid {
     let average_ray = ray_variance / ray_sum;
     // Where nothing tells that they differ, they are as good as any number of rays.
     if average_ray > 0.0 {
+        said.ray_variance = min(average_ray / max(level * level, 1.17549435e-38), SHARING_MOST_VARIANCE);
         said.rays = min(average_ray / max(spread, 1.17549435e-38), SHARING_MOST_WORTH);
     }
     return said;

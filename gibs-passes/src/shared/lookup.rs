@@ -41,12 +41,18 @@ pub fn trust(age: u32) -> f32 {
     ((age as f32 + 1.0) / TRUSTED_AFTER).min(1.0)
 }
 
+/// Nearness of a point to a surfel's centre: 1 there, 0 at the radius, one less the square of the distance over it.
+#[inline]
+pub fn nearness(d: Vec3, pose: &SurfelPose) -> f32 {
+    let h = d.dot(pose.normal);
+    let squared = (d.dot(d) + (SQUASH * SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
+    (1.0 - squared).max(0.0)
+}
+
 /// Distance factor: [`PEAK`] at the centre, 0 at the radius, smooth at both.
 #[inline]
 pub fn falloff(d: Vec3, pose: &SurfelPose) -> f32 {
-    let h = d.dot(pose.normal);
-    let squared = (d.dot(d) + (SQUASH * SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
-    let k = (1.0 - squared).max(0.0);
+    let k = nearness(d, pose);
     PEAK * k * k
 }
 
@@ -160,9 +166,10 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
     sum
 }
 
-/// Calls `each` with the surfels in the list of a surfel that `wanted` wants and their weights: those of [`gather`], with a
-/// reach of so many radii, and with the surfel's own depth function beside theirs, since a wall between the two may be
-/// known to only one of them.
+/// Calls `each` with the surfels in the list of a surfel that `wanted` wants and their weights: with the normal and depth
+/// factors of [`gather`], a reach of so many radii, and the surfel's own depth function beside theirs, since a wall between the
+/// two may be known to only one of them. Distance counts by [`nearness`]: with its square, which is smooth at the end for the
+/// eye, fewer of them would count.
 #[inline]
 pub fn neighbours(
     own: usize,
@@ -181,7 +188,7 @@ pub fn neighbours(
             ..*pose
         };
         let d = place.position - pose.position;
-        let mut weight = falloff(d, &wide) * alignment(place.normal, pose);
+        let mut weight = nearness(d, &wide) * alignment(place.normal, pose);
         if weight <= 0.0 || !wanted(id) {
             continue;
         }

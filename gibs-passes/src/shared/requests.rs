@@ -2,34 +2,46 @@
 use super::estimator::luminance;
 use crate::data::SurfelIrradiance;
 
-/// Rays that a surfel integrates before it counts as settled.
+/// Rays before which a surfel's own variance is not believed: what is rare may not have come yet.
 pub const FRESH: u32 = 128;
 
-/// Most units.
-pub const MOST: u32 = 32;
+/// Rays before which that of a surfel and its neighbours is not believed.
+pub const FRESH_AMONG_NEIGHBOURS: u32 = 24;
+
+/// Most units. Where one ray in a hundred finds light a surfel needs ten times the rays of one in the open.
+pub const MOST: u32 = 128;
 
 /// Units of a surfel that has not settled where nothing steers.
 pub const UNSTEERED_FRESH: u32 = 4;
 
 /// Relative standard error of its irradiance at which a surfel asks for the most.
-pub const ERROR: f32 = 0.4;
+pub const ERROR: f32 = 1.6;
 
 /// Frames unseen after which a surfel asks for a quarter.
 pub const UNSEEN: u32 = 4;
 
-/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, its variance decides.
+/// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides:
+/// that which it and its neighbours have found, relative, `said` (see [`Said`](super::sharing::Said)), or its own where that is 0.
 #[inline]
-pub fn request(state: &SurfelIrradiance, unseen: u32, steered: bool) -> u32 {
-    let fresh = state.samples < FRESH;
+pub fn request(state: &SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {
-        return if fresh { UNSTEERED_FRESH } else { 1 };
+        return if state.samples < FRESH {
+            UNSTEERED_FRESH
+        } else {
+            1
+        };
     }
-    let units = if fresh {
+    let samples = state.samples as f32;
+    let (fresh, relative) = if said > 0.0 {
+        (FRESH_AMONG_NEIGHBOURS, (said / samples).sqrt())
+    } else {
+        let error = (state.variance / samples).sqrt();
+        let level = luminance(state.mean).max(luminance(state.short_mean));
+        (FRESH, if level > 0.0 { error / level } else { 0.0 })
+    };
+    let units = if state.samples < fresh {
         MOST
     } else {
-        let error = (state.variance / state.samples as f32).sqrt();
-        let level = luminance(state.mean).max(luminance(state.short_mean));
-        let relative = if level > 0.0 { error / level } else { 0.0 };
         (relative * (MOST as f32 / ERROR)).clamp(1.0, MOST as f32) as u32
     };
     if unseen > UNSEEN {
@@ -56,13 +68,28 @@ mod tests {
 
     #[test]
     fn new_and_uncertain_surfels_ask_for_more() {
-        let ask = |mean, deviation, samples| request(&state(mean, deviation, samples), 0, true);
-        assert_eq!(ask(1.0, 0.5, 10), MOST);
-        // A relative error of 0.4, of 0.2, of next to none.
-        assert_eq!(ask(1.0, 4.0, 100), MOST);
-        assert_eq!(ask(1.0, 4.0, 400), MOST / 2);
+        let ask =
+            |mean, deviation, samples| request(&state(mean, deviation, samples), 0.0, 0, true);
+        assert_eq!(ask(1.0, 0.5, 100), MOST);
+        // A relative error of 1.6, of 0.8, of next to none.
+        assert_eq!(ask(1.0, 32.0, 400), MOST);
+        assert_eq!(ask(1.0, 16.0, 400), MOST / 2);
         assert_eq!(ask(1.0, 1.0, 100_000), 1);
         assert_eq!(ask(0.0, 0.0, 1000), 1);
+    }
+
+    /// With one ray in a hundred that finds light, most of the surfels that have had 24 rays have seen none, and would think
+    /// that they know; those around know better.
+    #[test]
+    fn what_neighbours_have_found_counts_before_own_luck() {
+        let unlucky = state(0.0, 0.0, 144);
+        assert_eq!(request(&unlucky, 0.0, 0, true), 1);
+        // A relative error of a twelfth of ten.
+        let units = 10.0 / 12.0 * MOST as f32 / ERROR;
+        assert_eq!(request(&unlucky, 100.0, 0, true), units as u32);
+        let fresh = state(0.0, 0.0, FRESH_AMONG_NEIGHBOURS - 1);
+        assert_eq!(request(&fresh, 1e-6, 0, true), MOST);
+        assert_eq!(request(&state(0.0, 0.0, 0), 0.0, 0, true), MOST);
     }
 
     /// Scaling all lights by a power of two changes nothing, and what nobody sees asks for a quarter.
@@ -70,8 +97,11 @@ mod tests {
     fn only_what_is_relative_and_seen_counts() {
         let one = state(0.3, 0.7, 500);
         let many = state(0.3 * 1024.0, 0.7 * 1024.0, 500);
-        assert_eq!(request(&one, 0, true), request(&many, 0, true));
-        assert_eq!(request(&one, 100, true), request(&one, 0, true) / 4);
-        assert_eq!(request(&one, 100, false), 1);
+        assert_eq!(request(&one, 0.0, 0, true), request(&many, 0.0, 0, true));
+        assert_eq!(
+            request(&one, 0.0, 100, true),
+            request(&one, 0.0, 0, true) / 4
+        );
+        assert_eq!(request(&one, 0.0, 100, false), 1);
     }
 }

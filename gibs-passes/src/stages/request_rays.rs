@@ -1,10 +1,11 @@
 //! `persistent/request_rays`: how many rays each surfel would like (I4).
-use crate::data::{SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::requests;
+use crate::data::{Neighbours, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::{requests, sharing::Said};
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Requests rays for every live surfel, in units of the least: by how uncertain its irradiance is, how long no pixel
+    /// Requests rays for every live surfel, in units of the least: by how uncertain its irradiance is, from the
+    /// variance of its rays and of its neighbours', how long no pixel
     /// has seen it, and how new it is (GIBS, "Global Ray Budget").
     pub stage RequestRays {
         wgsl: gibs_shaders::stages::REQUEST_RAYS,
@@ -14,6 +15,7 @@ stage! {
             read poses: SurfelPose,
             read irradiance: SurfelIrradiance,
             read unseen: u32,
+            optional_read neighbours: Neighbours,
             write requests: u32,
         },
         cpu: kernel,
@@ -26,7 +28,12 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let request = if p.poses[i].radius <= 0.0 {
             0
         } else {
-            requests::request(&p.irradiance[i], p.unseen[i], p.settings.steered != 0)
+            let said = p
+                .neighbours
+                .slice()
+                .get(i)
+                .map_or(0.0, |said| Said::unpack(said).ray_variance);
+            requests::request(&p.irradiance[i], said, p.unseen[i], p.settings.steered != 0)
         };
         p.requests.set(i, request);
     }

@@ -11,8 +11,8 @@ use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec2};
 
 stage! {
-    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, with the weights of the lookup:
-    /// distance, normal and depth functions, of both (GIBS, "Irradiance Sharing"), and finds what it says then: its own
+    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, by how near they are, with the
+    /// normal and depth factors of the lookup, of both (GIBS, "Irradiance Sharing"), and finds what it says then: its own
     /// mean, and what they know better.
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,

@@ -158,21 +158,22 @@ fn said(d: &mut Draw) -> Said {
         mean: d.light(-20, 20),
         trust: d.one_of(&[0.0, 1.0, 1.0 / 255.0, trust, trust]),
         rays: d.one_of(&[rays, 1_048_576.0]),
+        ray_variance: d.number(-10, 20).abs(),
     }
 }
 twin! {
-    said_pack ["sharing::sharing_pack"], (mean: Vec3, trust: f32, rays: f32) -> Neighbours,
-    wgsl "sharing_pack(SharingSaid(mean, trust, rays))",
-    rust Said { mean, trust, rays }.pack(),
-    draw |d| { let s = super::said(d); (s.mean, s.trust, s.rays) },
+    said_pack ["sharing::sharing_pack"], (mean: Vec3, trust: f32, rays: f32, ray_variance: f32) -> Neighbours,
+    wgsl "sharing_pack(SharingSaid(mean, trust, rays, ray_variance))",
+    rust Said { mean, trust, rays, ray_variance }.pack(),
+    draw |d| { let s = super::said(d); (s.mean, s.trust, s.rays, s.ray_variance) },
     bound EXACT,
     uses ["sharing::SharingSaid"],
 }
 twin! {
-    said_unpack ["sharing::sharing_unpack"], (packed: Neighbours) -> [f32; 5],
+    said_unpack ["sharing::sharing_unpack"], (packed: Neighbours) -> [f32; 6],
     wgsl "let s = sharing_unpack(packed);
-        return array<f32, 5>(s.mean.x, s.mean.y, s.mean.z, s.trust, s.rays);",
-    rust { let s = Said::unpack(&packed); [s.mean.x, s.mean.y, s.mean.z, s.trust, s.rays] },
+        return array<f32, 6>(s.mean.x, s.mean.y, s.mean.z, s.trust, s.rays, s.ray_variance);",
+    rust { let s = Said::unpack(&packed); [s.mean.x, s.mean.y, s.mean.z, s.trust, s.rays, s.ray_variance] },
     draw |d| { let s = super::said(d); (s.pack(),) },
     bound DIVIDED,
 }
@@ -208,8 +209,8 @@ twin! {
 twin! {
     light_said ["sharing::sharing_light"],
     (state: SurfelIrradiance, age: u32, mean: Vec3, trust: f32, rays: f32) -> SurfelLight,
-    wgsl "sharing_light(state, age, SharingSaid(mean, trust, rays))",
-    rust sharing::light(&state, age, &Said { mean, trust, rays }),
+    wgsl "sharing_light(state, age, SharingSaid(mean, trust, rays, 0.0))",
+    rust sharing::light(&state, age, &Said { mean, trust, rays, ray_variance: 0.0 }),
     draw |d| {
         let (state, s) = (super::state(d, 9), super::said(d));
         (state, d.word(), s.mean, s.trust, s.rays.max(1.0))
@@ -218,10 +219,10 @@ twin! {
     uses ["sharing::SharingSaid"],
 }
 twin! {
-    request ["requests::requests_request"], (state: SurfelIrradiance, unseen: u32, steered: u32) -> u32,
-    wgsl "requests_request(state, unseen, steered != 0u)",
-    rust requests::request(&state, unseen, steered != 0),
-    draw |d| (super::state(d, 9), d.below(10), u32::from(!d.once_in(8))),
+    request ["requests::requests_request"], (state: SurfelIrradiance, said: f32, unseen: u32, steered: u32) -> u32,
+    wgsl "requests_request(state, said, unseen, steered != 0u)",
+    rust requests::request(&state, said, unseen, steered != 0),
+    draw |d| (super::state(d, 9), super::said(d).ray_variance * d.one_of(&[0.0, 1.0]), d.below(10), u32::from(!d.once_in(8))),
     bound ROUNDED,
 }
 

@@ -84,6 +84,13 @@ twin! {
     bound DIVIDED,
 }
 twin! {
+    nearness ["lookup::lookup_nearness"], (d: Vec3, pose: SurfelPose) -> f32,
+    wgsl "lookup_nearness(d, pose)",
+    rust lookup::nearness(d, &pose),
+    draw |d| { let p = super::pose(d); (super::to_place(d, &p), p) },
+    bound ROUNDED,
+}
+twin! {
     falloff ["lookup::lookup_falloff"], (d: Vec3, pose: SurfelPose) -> f32,
     wgsl "lookup_falloff(d, pose)",
     rust lookup::falloff(d, &pose),
@@ -231,6 +238,7 @@ twins!(
     rescaled,
     chebyshev,
     trust,
+    nearness,
     falloff,
     alignment,
     leaning,

@@ -28,6 +28,7 @@ pub(super) fn integrate_rays(
         poses: &surfels.poses,
         irradiance: &surfels.irradiance,
         unseen: &surfels.unseen,
+        neighbours: surfels.neighbours.as_ref(),
         requests,
     };
     let requests = g

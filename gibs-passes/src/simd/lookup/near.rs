@@ -126,8 +126,8 @@ pub fn neighbours(
         // SAFETY: this function is compiled for AVX2.
         unsafe {
             let poses = Poses::load(s.poses, ids);
-            let falloff = poses.reaching(reach as f32).falloff(&poses.to(&point));
-            let weight = _mm256_mul_ps(falloff, poses.alignment(&normal));
+            let nearness = poses.reaching(reach as f32).nearness(&poses.to(&point));
+            let weight = _mm256_mul_ps(nearness, poses.alignment(&normal));
             let (mut weight, mask) = weighed(s, ids, count, &poses, weight, &point);
             if mask != 0 && !s.depths.is_empty() {
                 let share = Poses::repeated(own_pose).visibility(

@@ -104,10 +104,10 @@ impl Poses {
         Poses { radius, ..self }
     }
 
-    /// [`lookup::falloff`].
+    /// [`lookup::nearness`].
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-    pub fn falloff(&self, d: &Lanes3) -> __m256 {
+    pub fn nearness(&self, d: &Lanes3) -> __m256 {
         let h = dot(d, &self.normal);
         let flat = _mm256_set1_ps(lookup::SQUASH * lookup::SQUASH - 1.0);
         let along = _mm256_mul_ps(_mm256_mul_ps(flat, h), h);
@@ -115,7 +115,14 @@ impl Poses {
             _mm256_add_ps(dot(d, d), along),
             _mm256_mul_ps(self.radius, self.radius),
         );
-        let k = positive(_mm256_sub_ps(_mm256_set1_ps(1.0), squared));
+        positive(_mm256_sub_ps(_mm256_set1_ps(1.0), squared))
+    }
+
+    /// [`lookup::falloff`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn falloff(&self, d: &Lanes3) -> __m256 {
+        let k = self.nearness(d);
         _mm256_mul_ps(_mm256_mul_ps(_mm256_set1_ps(lookup::PEAK), k), k)
     }
 
