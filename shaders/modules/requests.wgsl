@@ -6,6 +6,8 @@ import package::types::SurfelIrradiance;
 const REQUESTS_FRESH: u32 = 128u;
 /// Rays before which that of a surfel and its neighbours is not believed.
 const REQUESTS_FRESH_AMONG_NEIGHBOURS: u32 = 24u;
+/// Units of a surfel that begins anew after its light has changed.
+const REQUESTS_ANEW: u32 = 32u;
 /// Most units.
 const REQUESTS_MOST: u32 = 128u;
 /// Units of a surfel that has not settled where nothing steers.
@@ -34,7 +36,7 @@ fn requests_request(state: SurfelIrradiance, said: f32, unseen: u32, steered: bo
             relative = error / level;
         }
     }
-    var units = REQUESTS_MOST;
+    var units = select(REQUESTS_MOST, REQUESTS_ANEW, state.drawn > state.samples);
     if state.samples >= fresh {
         units = u32(clamp(relative * (f32(REQUESTS_MOST) / REQUESTS_ERROR), 1.0, f32(REQUESTS_MOST)));
     }

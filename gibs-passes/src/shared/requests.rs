@@ -8,6 +8,10 @@ pub const FRESH: u32 = 128;
 /// Rays before which that of a surfel and its neighbours is not believed.
 pub const FRESH_AMONG_NEIGHBOURS: u32 = 24;
 
+/// Units of a surfel that begins anew after its light has changed. With more, those that have noticed would take the rays of
+/// those that have yet to.
+pub const ANEW: u32 = 32;
+
 /// Most units. Where one ray in a hundred finds light a surfel needs ten times the rays of one in the open.
 pub const MOST: u32 = 128;
 
@@ -40,7 +44,11 @@ pub fn request(state: &SurfelIrradiance, said: f32, unseen: u32, steered: bool) 
         (FRESH, if level > 0.0 { error / level } else { 0.0 })
     };
     let units = if state.samples < fresh {
-        MOST
+        if state.drawn > state.samples {
+            ANEW
+        } else {
+            MOST
+        }
     } else {
         (relative * (MOST as f32 / ERROR)).clamp(1.0, MOST as f32) as u32
     };
@@ -89,6 +97,11 @@ mod tests {
         assert_eq!(request(&unlucky, 100.0, 0, true), units as u32);
         let fresh = state(0.0, 0.0, FRESH_AMONG_NEIGHBOURS - 1);
         assert_eq!(request(&fresh, 1e-6, 0, true), MOST);
+        let anew = SurfelIrradiance {
+            drawn: 1000,
+            ..fresh
+        };
+        assert_eq!(request(&anew, 1e-6, 0, true), ANEW);
         assert_eq!(request(&state(0.0, 0.0, 0), 0.0, 0, true), MOST);
     }
 

@@ -55,6 +55,11 @@ pub const PARTS: &[(&str, &str)] = &[
         "octahedral::octahedral_sign",
         "octahedral::octahedral_encode",
     ),
+    ("sharing::sharing_first_bits", "sharing::sharing_pack"),
+    (
+        "sharing::sharing_from_first_bits",
+        "sharing::sharing_unpack",
+    ),
     ("texture::texture_fold", "texture::texture_sample"),
     ("texture::texture_linear", "texture::texture_sample"),
     ("texture::texture_mapped", "texture::texture_base_color"),
