@@ -4,7 +4,7 @@ import package::types::SurfelIrradiance;
 
 /// Rays before which a surfel's own variance is not believed.
 const REQUESTS_FRESH: u32 = 128u;
-/// Rays before which that of a surfel and its neighbours is not believed.
+/// Rays before which that of its neighbours is not believed.
 const REQUESTS_FRESH_AMONG_NEIGHBOURS: u32 = 24u;
 /// Units of a surfel that begins anew after its light has changed.
 const REQUESTS_ANEW: u32 = 32u;
@@ -18,7 +18,7 @@ const REQUESTS_ERROR: f32 = 1.6;
 const REQUESTS_UNSEEN: u32 = 4u;
 
 /// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides: that
-/// which it and its neighbours have found, `said`, or its own where that is 0.
+/// which its neighbours have found, `said`, or that of its own where this is 0.
 fn requests_request(state: SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {
         return select(1u, REQUESTS_UNSTEERED_FRESH, state.samples < REQUESTS_FRESH);

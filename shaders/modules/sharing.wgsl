@@ -44,7 +44,7 @@ struct SharingSaid {
     mean: vec3<f32>,
     trust: f32,
     rays: f32,
-    /// Variance of the luminance that one ray brings, over the square of the mean's luminance.
+    /// Variance of the luminance that one ray brings to the neighbours alone, over the square of their mean's luminance.
     ray_variance: f32,
 }
 

@@ -12,7 +12,7 @@ import package::types::{SurfelIrradiance, SurfelPose, SurfelSettings};
 @if(neighbours) @group(0) @binding(4) var<storage, read> neighbours: array<Neighbours>;
 @group(0) @binding(5) var<storage, read_write> requests: array<u32>;
 
-// Relative variance of a ray of a surfel, as it and its neighbours have found it.
+// Relative variance of a ray, as a surfel's neighbours have found it.
 @if(neighbours)
 fn variance_of(i: u32) -> f32 {
     return sharing_unpack(neighbours[i]).ray_variance;

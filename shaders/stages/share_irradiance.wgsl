@@ -50,6 +50,11 @@ fn ask(own: u32) -> SharingSaid {
     var trust = 0.0;
     var ray_variance = 0.0;
     var ray_sum = 0.0;
+    // Of the neighbours alone.
+    var around_variance = 0.0;
+    var around_ray_sum = 0.0;
+    var around_level = 0.0;
+    var around_sum = 0.0;
     for (var i = 0u; i < count; i++) {
         if !bounds_may_reach(entries[cell.x + cell.y + i], place, SHARING_REACH) {
             continue;
@@ -82,6 +87,12 @@ fn ask(own: u32) -> SharingSaid {
         others += select(1u, 0u, is_own);
         let counts = select(1.0, SHARING_OWN_PART, is_own) * weight * min(samples, SHARING_MOST_RAYS);
         let level = estimator_luminance(state.mean);
+        if !is_own {
+            around_variance += of_rays * state.variance;
+            around_ray_sum += of_rays;
+            around_level += counts * level;
+            around_sum += counts;
+        }
         mean += state.mean * counts;
         sum += counts;
         squares += counts * (level * level);
@@ -102,8 +113,11 @@ fn ask(own: u32) -> SharingSaid {
     let spread = apart + least * least;
     let average_ray = ray_variance / ray_sum;
     // Where nothing tells that they differ, they are as good as any number of rays.
+    if around_variance > 0.0 {
+        let around = around_level / around_sum;
+        said.ray_variance = min(around_variance / around_ray_sum / max(around * around, 1.17549435e-38), SHARING_MOST_VARIANCE);
+    }
     if average_ray > 0.0 {
-        said.ray_variance = min(average_ray / max(level * level, 1.17549435e-38), SHARING_MOST_VARIANCE);
         said.rays = min(average_ray / max(spread, 1.17549435e-38), SHARING_MOST_WORTH);
     }
     return said;

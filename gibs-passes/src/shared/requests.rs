@@ -5,7 +5,7 @@ use crate::data::SurfelIrradiance;
 /// Rays before which a surfel's own variance is not believed: what is rare may not have come yet.
 pub const FRESH: u32 = 128;
 
-/// Rays before which that of a surfel and its neighbours is not believed.
+/// Rays before which that of its neighbours is not believed.
 pub const FRESH_AMONG_NEIGHBOURS: u32 = 24;
 
 /// Units of a surfel that begins anew after its light has changed. With more, those that have noticed would take the rays of
@@ -25,7 +25,7 @@ pub const ERROR: f32 = 1.6;
 pub const UNSEEN: u32 = 4;
 
 /// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides:
-/// that which it and its neighbours have found, relative, `said` (see [`Said`](super::sharing::Said)), or its own where that is 0.
+/// that which its neighbours have found, relative, `said` (see [`Said`](super::sharing::Said)), or that of its own where this is 0.
 #[inline]
 pub fn request(state: &SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {

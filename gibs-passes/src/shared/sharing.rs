@@ -65,8 +65,9 @@ pub struct Said {
     /// How many of the surfel's own rays say as much: the variance of the luminance that one ray brings, here and around, over
     /// that of irradiance from surfel to surfel.
     pub rays: f32,
-    /// Variance of the luminance that one ray brings, here and around, over the square of the mean's luminance. It knows what is
-    /// rare before the surfel's own rays have met with it.
+    /// Variance of the luminance that one ray brings to the neighbours alone, over the square of their mean's luminance. It knows
+    /// what is rare before the surfel's own rays have met with it, and does not know what those found: where a lucky surfel got
+    /// more rays than an unlucky one, its luck would be thinned out, and the mean of all be too low.
     pub ray_variance: f32,
 }
 
@@ -161,6 +162,16 @@ pub struct Asked {
     trust: f32,
     ray_variance: f32,
     ray_sum: f32,
+    around: Around,
+}
+
+/// Sums over the neighbours alone: luminance and variances.
+#[derive(Clone, Copy, Debug, Default)]
+struct Around {
+    ray_variance: f32,
+    ray_sum: f32,
+    level: f32,
+    sum: f32,
 }
 
 impl Asked {
@@ -180,6 +191,12 @@ impl Asked {
         self.others += u32::from(!is_own);
         let counts = part * weight * samples.min(MOST_RAYS);
         let level = luminance(state.mean);
+        if !is_own {
+            self.around.ray_variance += of_rays * state.variance;
+            self.around.ray_sum += of_rays;
+            self.around.level += counts * level;
+            self.around.sum += counts;
+        }
         self.mean += state.mean * counts;
         self.sum += counts;
         self.squares += counts * (level * level);
@@ -203,9 +220,11 @@ impl Asked {
         let least = LEAST_SPREAD * level;
         let spread = apart + least * least;
         let ray_variance = self.ray_variance / self.ray_sum;
-        if ray_variance > 0.0 {
+        let around = &self.around;
+        if around.ray_variance > 0.0 {
+            let level = around.level / around.sum;
             let squared = (level * level).max(f32::MIN_POSITIVE);
-            said.ray_variance = (ray_variance / squared).min(MOST_VARIANCE);
+            said.ray_variance = (around.ray_variance / around.ray_sum / squared).min(MOST_VARIANCE);
         }
         // Where nothing tells that they differ, they are as good as any number of rays.
         said.rays = if ray_variance > 0.0 {

@@ -208,6 +208,33 @@ fn the_dark_beside_the_bright_stays_dark() {
     assert!(shown(4) > 0.9 && shown(640) < 0.06);
 }
 
+/// What a surfel's own rays have found does not tell how many it gets.
+#[test]
+fn the_variance_said_is_that_of_the_others() {
+    let state = |mean: f32, variance: f32, samples| SurfelIrradiance {
+        mean: Vec3::splat(mean),
+        samples,
+        variance,
+        ..SurfelIrradiance::default()
+    };
+    let said = |own: &SurfelIrradiance| {
+        let mut asked = Asked::default();
+        asked.add(own, 1.0, 10, true);
+        asked.add(&state(1.0, 6.0, 30), 0.5, 10, false);
+        asked.add(&state(4.0, 2.0, 10), 0.5, 10, false);
+        asked.said().ray_variance
+    };
+    // Weighed by their rays, their mean is (30 + 40) / 40; a ray of either counts alike, and varies by 4.
+    let expected = 4.0 / (1.75 * 1.75);
+    for own in [
+        state(0.0, 0.0, 50),
+        state(100.0, 1e6, 50),
+        state(1.0, 1.0, 5000),
+    ] {
+        assert!((said(&own) / expected - 1.0).abs() < 1e-6);
+    }
+}
+
 /// Every surfel asks once in a period, when it is born, and while it is fresh.
 #[test]
 fn every_surfel_asks_in_turn() {
