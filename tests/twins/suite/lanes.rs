@@ -1,9 +1,11 @@
 //! Functions that the invocations of a workgroup call together: through the stages that do little else.
 use super::declare::{EXACT, ROUNDED, Twin};
 use super::inputs::Draw;
-use gibs_graph::{Dispatch, Element, Graph, bytemuck};
+use gibs_graph::{Dispatch, DispatchArgs, Element, Graph, bytemuck};
 use gibs_passes::data::Drift;
+use gibs_passes::shared::batch;
 use gibs_passes::shared::scan::exclusive_scan;
+use gibs_passes::stages::count_paths::{self, CountPaths, PATHS_PER_WORD};
 use gibs_passes::stages::drift_total::{DriftTotal, Inputs};
 
 /// The prefix sum of all cases.
@@ -27,6 +29,28 @@ fn drift(cases: u32) -> Graph {
     };
     let summed = g.add::<DriftTotal>("twin", inputs, Dispatch::Groups([1, 1, 1]));
     g.output("target", &summed.total);
+    g
+}
+
+/// Words of paths: more than two blocks of 1024, and a part of one.
+const WORDS: u32 = 2 * 1024 + 701;
+
+/// The place of each path among those that go on, a bit of a word each.
+fn paths(words: u32) -> Graph {
+    let mut g = Graph::new("paths");
+    let goes_on = g.input::<u32>("source", u64::from(words));
+    let batch = g.input::<DispatchArgs>("batch", 1);
+    let before = g.transient("target", u64::from(words));
+    let next = g.transient("next", 1);
+    let inputs = count_paths::Inputs {
+        batch: &batch,
+        goes_on: &goes_on,
+        before,
+        next,
+    };
+    let counted = g.add::<CountPaths>("twin", inputs, Dispatch::Groups([1, 1, 1]));
+    g.output("target", &counted.before);
+    g.output("next", &counted.next);
     g
 }
 
@@ -67,5 +91,20 @@ pub fn all() -> Vec<Twin> {
         bound: ROUNDED,
         truth: None,
     };
-    vec![scanned, summed]
+    let counted = Twin {
+        name: "paths_before",
+        of: &["workgroup_scan::workgroup_scan_exclusive"],
+        out: u32::layout(),
+        cases: WORDS,
+        words: 1,
+        draw: |d, words| words.push(d.word()),
+        graph: paths,
+        globals: vec![(
+            "batch",
+            bytemuck::bytes_of(&batch::args(WORDS * PATHS_PER_WORD - 7)).to_vec(),
+        )],
+        bound: EXACT,
+        truth: None,
+    };
+    vec![scanned, summed, counted]
 }
