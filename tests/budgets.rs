@@ -120,7 +120,7 @@ fn a_full_grid_is_counted() {
 }
 
 /// With one ray a frame there is exactly one, and every surfel gets its turn: slots are few, so that all are soon in use,
-/// and requests differ by at most thirty-two to one.
+/// and requests differ by at most 128 to one.
 #[test]
 fn one_ray_goes_around() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");

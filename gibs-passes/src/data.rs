@@ -353,7 +353,7 @@ element! {
     pub struct Neighbours {
         /// Weighted mean of their irradiance, W/m^2.
         mean: Vec3,
-        /// Trust and rays, packed; 0 where there are no neighbours.
+        /// Trust, rays and the variance of a ray, packed; 0 where there are no neighbours.
         packed: u32,
     }
 

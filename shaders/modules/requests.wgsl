@@ -6,6 +6,8 @@ import package::types::SurfelIrradiance;
 const REQUESTS_FRESH: u32 = 128u;
 /// Rays before which that of its neighbours is not believed.
 const REQUESTS_FRESH_AMONG_NEIGHBOURS: u32 = 24u;
+/// Rays from which on a surfel's own variance counts where it is larger than its neighbours'.
+const REQUESTS_LEARNED: u32 = 512u;
 /// Units of a surfel that begins anew after its light has changed.
 const REQUESTS_ANEW: u32 = 32u;
 /// Most units.
@@ -18,24 +20,22 @@ const REQUESTS_ERROR: f32 = 1.6;
 const REQUESTS_UNSEEN: u32 = 4u;
 
 /// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides: that
-/// which its neighbours have found, `said`, or that of its own where this is 0.
+/// which its neighbours have found, `said`, or that of its own where this is 0, or less and the surfel has learned
+/// enough.
 fn requests_request(state: SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {
         return select(1u, REQUESTS_UNSTEERED_FRESH, state.samples < REQUESTS_FRESH);
     }
     let samples = f32(state.samples);
-    var fresh = REQUESTS_FRESH;
-    var relative = 0.0;
-    if said > 0.0 {
-        fresh = REQUESTS_FRESH_AMONG_NEIGHBOURS;
-        relative = sqrt(said / samples);
-    } else {
+    var relative = sqrt(said / samples);
+    if said == 0.0 || state.samples >= REQUESTS_LEARNED {
         let error = sqrt(state.variance / samples);
         let level = max(estimator_luminance(state.mean), estimator_luminance(state.short_mean));
         if level > 0.0 {
-            relative = error / level;
+            relative = max(relative, error / level);
         }
     }
+    let fresh = select(REQUESTS_FRESH, REQUESTS_FRESH_AMONG_NEIGHBOURS, said > 0.0);
     var units = select(REQUESTS_MOST, REQUESTS_ANEW, state.drawn > state.samples);
     if state.samples >= fresh {
         units = u32(clamp(relative * (f32(REQUESTS_MOST) / REQUESTS_ERROR), 1.0, f32(REQUESTS_MOST)));

@@ -96,7 +96,7 @@ fn sharing_mean_variance(state: SurfelIrradiance) -> f32 {
 fn sharing_asks(state: SurfelIrradiance) -> bool {
     let level = estimator_luminance(state.mean);
     return state.samples < SHARING_UNCERTAIN_BEFORE
-        || sharing_mean_variance(state) > SHARING_CERTAIN * SHARING_CERTAIN * level * level;
+        || sharing_mean_variance(state) >= SHARING_CERTAIN * SHARING_CERTAIN * level * level;
 }
 
 /// What a surfel says, from its own irradiance and what its neighbours say.

@@ -90,7 +90,7 @@ fn ask(own: u32) -> SharingSaid {
         if !is_own {
             around_variance += of_rays * state.variance;
             around_ray_sum += of_rays;
-            around_level += counts * level;
+            around_level += counts * max(level, estimator_luminance(state.short_mean));
             around_sum += counts;
         }
         mean += state.mean * counts;
@@ -112,11 +112,11 @@ fn ask(own: u32) -> SharingSaid {
     let least = SHARING_LEAST_SPREAD * level;
     let spread = apart + least * least;
     let average_ray = ray_variance / ray_sum;
-    // Where nothing tells that they differ, they are as good as any number of rays.
     if around_variance > 0.0 {
         let around = around_level / around_sum;
         said.ray_variance = min(around_variance / around_ray_sum / max(around * around, 1.17549435e-38), SHARING_MOST_VARIANCE);
     }
+    // Where nothing tells that they differ, they are as good as any number of rays.
     if average_ray > 0.0 {
         said.rays = min(average_ray / max(spread, 1.17549435e-38), SHARING_MOST_WORTH);
     }

@@ -8,6 +8,10 @@ pub const FRESH: u32 = 128;
 /// Rays before which that of its neighbours is not believed.
 pub const FRESH_AMONG_NEIGHBOURS: u32 = 24;
 
+/// Rays from which on a surfel's own variance counts where it is larger than its neighbours': by then its luck is thin, and one in
+/// a crevice is not left to those in the open.
+pub const LEARNED: u32 = 512;
+
 /// Units of a surfel that begins anew after its light has changed. With more, those that have noticed would take the rays of
 /// those that have yet to.
 pub const ANEW: u32 = 32;
@@ -25,7 +29,8 @@ pub const ERROR: f32 = 1.6;
 pub const UNSEEN: u32 = 4;
 
 /// Units that a surfel asks for, which no pixel has seen for so many frames. With `steered`, the variance of its rays decides:
-/// that which its neighbours have found, relative, `said` (see [`Said`](super::sharing::Said)), or that of its own where this is 0.
+/// that which its neighbours have found, relative, `said` (see [`Said`](super::sharing::Said)), or that of its own where this is 0, or
+/// less and the surfel has learned enough.
 #[inline]
 pub fn request(state: &SurfelIrradiance, said: f32, unseen: u32, steered: bool) -> u32 {
     if !steered {
@@ -36,12 +41,18 @@ pub fn request(state: &SurfelIrradiance, said: f32, unseen: u32, steered: bool) 
         };
     }
     let samples = state.samples as f32;
-    let (fresh, relative) = if said > 0.0 {
-        (FRESH_AMONG_NEIGHBOURS, (said / samples).sqrt())
-    } else {
+    let mut relative = (said / samples).sqrt();
+    if said == 0.0 || state.samples >= LEARNED {
         let error = (state.variance / samples).sqrt();
         let level = luminance(state.mean).max(luminance(state.short_mean));
-        (FRESH, if level > 0.0 { error / level } else { 0.0 })
+        if level > 0.0 {
+            relative = relative.max(error / level);
+        }
+    }
+    let fresh = if said > 0.0 {
+        FRESH_AMONG_NEIGHBOURS
+    } else {
+        FRESH
     };
     let units = if state.samples < fresh {
         if state.drawn > state.samples {
@@ -95,6 +106,10 @@ mod tests {
         // A relative error of a twelfth of ten.
         let units = 10.0 / 12.0 * MOST as f32 / ERROR;
         assert_eq!(request(&unlucky, 100.0, 0, true), units as u32);
+        // One that is noisier than they are is left to itself until its luck is thin.
+        let noisy = |samples| request(&state(1.0, 16.0, samples), 1.0, 0, true);
+        assert_eq!(noisy(400), (1.0 / 20.0 * MOST as f32 / ERROR) as u32);
+        assert_eq!(noisy(1024), (0.5 * MOST as f32 / ERROR) as u32);
         let fresh = state(0.0, 0.0, FRESH_AMONG_NEIGHBOURS - 1);
         assert_eq!(request(&fresh, 1e-6, 0, true), MOST);
         let anew = SurfelIrradiance {

@@ -132,11 +132,12 @@ pub fn mean_variance(state: &SurfelIrradiance) -> f32 {
     state.variance / state.samples.max(1) as f32
 }
 
-/// Whether a surfel is uncertain enough to ask its neighbours.
+/// Whether a surfel is uncertain enough to ask its neighbours. One that has found no light has no variance either, and may have
+/// been unlucky.
 #[inline]
 pub fn asks(state: &SurfelIrradiance) -> bool {
     let level = luminance(state.mean);
-    state.samples < UNCERTAIN_BEFORE || mean_variance(state) > CERTAIN * CERTAIN * level * level
+    state.samples < UNCERTAIN_BEFORE || mean_variance(state) >= CERTAIN * CERTAIN * level * level
 }
 
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
@@ -165,7 +166,8 @@ pub struct Asked {
     around: Around,
 }
 
-/// Sums over the neighbours alone: luminance and variances.
+/// Sums over the neighbours alone. Luminance is that of the short mean where this is brighter: once light has gone, variances fall
+/// more slowly than means.
 #[derive(Clone, Copy, Debug, Default)]
 struct Around {
     ray_variance: f32,
@@ -194,7 +196,7 @@ impl Asked {
         if !is_own {
             self.around.ray_variance += of_rays * state.variance;
             self.around.ray_sum += of_rays;
-            self.around.level += counts * level;
+            self.around.level += counts * level.max(luminance(state.short_mean));
             self.around.sum += counts;
         }
         self.mean += state.mean * counts;

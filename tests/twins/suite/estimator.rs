@@ -10,7 +10,9 @@ use gibs_passes::shared::sharing::{self, Said};
 /// Counts of rays, those at which something changes among them.
 fn samples(d: &mut Draw) -> u32 {
     match d.below(3) {
-        0 => d.one_of(&[0, 1, 63, 64, 65, 127, 128, 129, 255, 256, 131_071, 131_072]),
+        0 => d.one_of(&[
+            0, 1, 23, 24, 25, 63, 64, 65, 127, 128, 129, 255, 256, 511, 512, 131_071, 131_072,
+        ]),
         1 => d.below(300),
         _ => d.below(131_073),
     }
@@ -154,11 +156,13 @@ twin! {
 fn said(d: &mut Draw) -> Said {
     let trust = d.unit();
     let rays = d.number(-10, 20).abs();
+    let variance = d.number(-10, 20).abs();
+    let ray_variance = d.one_of(&[0.0, 1_048_576.0, f32::MIN_POSITIVE, variance, variance]);
     Said {
         mean: d.light(-20, 20),
         trust: d.one_of(&[0.0, 1.0, 1.0 / 255.0, trust, trust]),
         rays: d.one_of(&[rays, 1_048_576.0]),
-        ray_variance: d.number(-10, 20).abs(),
+        ray_variance,
     }
 }
 twin! {
@@ -222,7 +226,7 @@ twin! {
     request ["requests::requests_request"], (state: SurfelIrradiance, said: f32, unseen: u32, steered: u32) -> u32,
     wgsl "requests_request(state, said, unseen, steered != 0u)",
     rust requests::request(&state, said, unseen, steered != 0),
-    draw |d| (super::state(d, 9), super::said(d).ray_variance * d.one_of(&[0.0, 1.0]), d.below(10), u32::from(!d.once_in(8))),
+    draw |d| (super::state(d, 9), super::said(d).ray_variance, d.below(10), u32::from(!d.once_in(8))),
     bound ROUNDED,
 }
 
