@@ -17,8 +17,8 @@ use twins::Twins;
 const SAMPLE: usize = 60;
 
 /// Unchanged kernels agree in the form that mutants have, and the checks find as many mutants as in the long run, but for what a
-/// sample of this size varies by: of 97 % (docs/checking.md), three standard deviations of 150 draws are 4 %. The aim, 95 %, is
-/// judged by the long run.
+/// sample of this size varies by: of 95.7 % (docs/checking.md), three standard deviations of 160 draws are 4.8 %. The aim, 95 %,
+/// is judged by the long run.
 #[test]
 fn mutants_are_caught() {
     let oracle = common::cpu();
@@ -50,7 +50,7 @@ fn mutants_are_caught() {
     let all = caught + survived;
     println!("{caught} of {all} caught");
     assert!(all > SAMPLE / 2, "most changes give a valid kernel");
-    assert!(caught * 100 >= all * 92, "{survived} of {all} survived");
+    assert!(caught * 100 >= all * 91, "{survived} of {all} survived");
     for target in targets.iter().step_by(7) {
         let original = target.kernel.original().expect("a valid kernel");
         let same = target.differs(&original, device.as_ref());

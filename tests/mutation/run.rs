@@ -160,7 +160,7 @@ impl Target {
             Err(_) => Fate::Caught,
             Ok(()) => {
                 let (function, ordinal) = self.kernel.place_of(index);
-                match function != "main" && twins.catch(function, ordinal, device) {
+                match twins.catch(&self.kernel, function, ordinal, device) {
                     true => Fate::CaughtByTwins,
                     false => Fate::Survived,
                 }

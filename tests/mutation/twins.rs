@@ -11,6 +11,8 @@ pub struct Twins(Vec<Entry>);
 
 struct Entry {
     twin: Twin,
+    /// The stage whose kernel is changed: the first.
+    stage: &'static str,
     kernel: Kernel,
     schedule: Schedule,
     cases: Vec<u32>,
@@ -32,6 +34,7 @@ impl Twins {
             let cases = run::cases(&twin);
             entries.push(Entry {
                 expected: run::run(&twin, oracle, &cases),
+                stage: dispatch.kernel.wgsl.name,
                 kernel,
                 schedule,
                 cases,
@@ -41,9 +44,13 @@ impl Twins {
         Ok(Self(entries))
     }
 
-    /// Whether a twin test fails when the n-th change of a function is made.
-    pub fn catch(&self, function: &str, ordinal: usize, device: &dyn Backend) -> bool {
+    /// Whether a twin test fails when the n-th change of a function of a kernel is made. What a stage does itself is tried where
+    /// the twin test runs that very stage.
+    pub fn catch(&self, of: &Kernel, function: &str, ordinal: usize, device: &dyn Backend) -> bool {
         let concerned = self.0.iter().filter_map(|entry| {
+            if function == "main" && entry.kernel.source() != of.source() {
+                return None;
+            }
             let index = entry.kernel.index_of(function, ordinal)?;
             Some((entry, entry.kernel.mutant(index).ok()?))
         });
@@ -63,9 +70,11 @@ impl Entry {
     fn run(&self, text: &str, device: &dyn Backend) -> Result<Vec<u32>, BackendError> {
         let mut schedule = self.schedule.clone();
         for step in &mut schedule.steps {
-            if let Action::Dispatch(dispatch) = &mut step.action {
+            if let Action::Dispatch(dispatch) = &mut step.action
+                && dispatch.kernel.wgsl.name == self.stage
+            {
                 dispatch.kernel.wgsl = WgslSource {
-                    name: dispatch.kernel.wgsl.name,
+                    name: self.stage,
                     // As for mutants of stages: a tool that ends.
                     text: String::leak(text.to_owned()),
                     modules: &[],

@@ -67,6 +67,11 @@ impl Kernel {
         Ok(kernel)
     }
 
+    /// The composed WGSL that it was read from.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
     /// How many changes there are.
     pub fn len(&self) -> usize {
         self.changes.len()
