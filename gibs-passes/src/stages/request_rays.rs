@@ -5,8 +5,8 @@ use gibs_graph::{Workgroup, stage};
 
 stage! {
     /// Requests rays for every live surfel, in units of the least: by how uncertain its irradiance is, from the
-    /// variance of its neighbours' rays or its own, how long no pixel
-    /// has seen it, and how new it is (GIBS, "Global Ray Budget").
+    /// variance of its neighbours' rays or its own, how long no pixel has seen it, and how new it is (GIBS, "Global Ray
+    /// Budget").
     pub stage RequestRays {
         wgsl: gibs_shaders::stages::REQUEST_RAYS,
         workgroup: [64, 1, 1],

@@ -102,6 +102,8 @@ pub fn cases(
                 debug: Some(view),
                 depth: true,
                 guiding: view == DebugView::Guide,
+                // Rays are shared out with and without the neighbours' word.
+                sharing: view != DebugView::RayCount,
                 ..usual.clone()
             };
             let name = format!("{name}, debug view {view}");
