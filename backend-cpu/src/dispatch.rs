@@ -7,7 +7,6 @@ use gibs_graph::{
 };
 use std::any::Any;
 use std::cell::Cell;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 thread_local! {
     static IN_KERNEL: Cell<bool> = const { Cell::new(false) };
@@ -119,20 +118,19 @@ impl CpuExecutable {
         };
         let threads = self.shared.pool.current_num_threads();
         // Enough pieces to balance, few enough that a piece is worth a thread's while.
-        let piece = (total / (threads as u32).saturating_mul(32)).max(1);
+        let piece = (total / (threads as u32).saturating_mul(128)).max(1);
         let pieces = total.div_ceil(piece);
-        let next = AtomicU32::new(0);
+        self.shares.deal(pieces);
+        let shares = &self.shares;
         let work = || {
-            loop {
-                // Nothing but the count goes by it: who waits for the threads sees what their kernels wrote. As many threads as
-                // there are may count beyond the last piece.
-                let place = next.fetch_add(1, Ordering::Relaxed);
-                if place >= pieces {
-                    break;
-                }
+            let thread = rayon::current_thread_index().unwrap_or(0);
+            let mut done = 0;
+            while let Some(place) = shares.next(thread) {
+                done += 1;
                 let first = place * piece;
                 (first..total.min(first.saturating_add(piece))).for_each(run);
             }
+            shares.finish(done);
         };
         let all = || on_threads(threads.min(pieces as usize), &work);
         // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing

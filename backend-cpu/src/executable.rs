@@ -1,6 +1,7 @@
 //! Running the steps of a schedule.
 use crate::Shared;
 use crate::memory::Allocation;
+use crate::shares::Shares;
 use gibs_graph::{
     Action, BackendError, Executable, RawView, Resource, ResourceId, Schedule, StepTime,
     check_image, check_range, check_step, unknown_step,
@@ -16,6 +17,8 @@ pub(crate) struct CpuExecutable {
     pub(crate) allocations: Vec<Allocation>,
     /// Room for the views of one step; empty between steps.
     pub(crate) views: Vec<RawView<'static>>,
+    /// What is left of the step under way.
+    pub(crate) shares: Shares,
     measure: bool,
     /// Of the last measured frame that finished.
     times: Option<Vec<StepTime>>,
@@ -28,11 +31,13 @@ impl CpuExecutable {
         shared.capabilities.check(&shared.device.name, &schedule)?;
         let resources = schedule.resources.iter();
         let allocations = resources.map(Allocation::new).collect::<Result<_, _>>()?;
+        let shares = Shares::new(shared.pool.current_num_threads());
         Ok(Self {
             schedule,
             shared,
             allocations,
             views: Vec::new(),
+            shares,
             measure: false,
             times: None,
             next_times: Vec::new(),

@@ -8,6 +8,7 @@ mod dispatch;
 mod executable;
 mod memory;
 mod order;
+mod shares;
 mod system;
 
 pub use dispatch::in_kernel;
