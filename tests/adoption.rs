@@ -6,6 +6,7 @@ use gibs::graph::{Backend, BackendError, Executable, Initial, Kind, ResourceId, 
 use gibs::passes::data::{HostGbuffer, SurfelBirth, SurfelCounters, SurfelPose};
 use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::scene::{AlphaMode, Light, LightKind, Material, Mesh, Node, Scene};
+use gibs::passes::shared::mark;
 use gibs::view::View;
 use gibs::{Gi, RenderError, Renderer, builtin};
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -214,7 +215,8 @@ fn surfels_follow_the_origin() {
         let after: Vec<SurfelBirth> = state(renderer.executable(), "surfel_births");
         let mut followed = 0;
         for slot in 0..poses.len() {
-            let same = moved[slot].identity == poses[slot].identity && poses[slot].radius > 0.0;
+            let same = mark::identity(moved[slot].mark) == mark::identity(poses[slot].mark)
+                && poses[slot].radius > 0.0;
             if !same {
                 continue;
             }
@@ -254,7 +256,9 @@ fn an_origin_that_shifts_keeps_every_surfel_and_its_light() {
         let after: Vec<SurfelBirth> = state(renderer.executable(), "surfel_births");
         let mut followed = 0;
         for slot in 0..poses.len() {
-            if moved[slot].identity != poses[slot].identity || poses[slot].radius <= 0.0 {
+            if mark::identity(moved[slot].mark) != mark::identity(poses[slot].mark)
+                || poses[slot].radius <= 0.0
+            {
                 continue;
             }
             assert_eq!(births[slot].position, after[slot].position);

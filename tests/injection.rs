@@ -6,7 +6,7 @@ use gibs::passes::data::{GridShape, SurfelPose};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Camera;
 use gibs::passes::shared::lists::DROPPED;
-use gibs::passes::shared::{bounds, grid, hash};
+use gibs::passes::shared::{bounds, grid, hash, mark};
 use gibs::{Counters, Renderer, builtin};
 use glam::UVec2;
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ fn check(renderer: &mut Renderer, place: &str) -> usize {
     for (id, pose) in (0..).zip(&poses).filter(|(_, pose)| pose.radius > 0.0) {
         grid::overlapped(pose, &shape, |cell| {
             let list = expected.entry(cell).or_default();
-            list.push((hash::pcg(pose.identity), id));
+            list.push((hash::pcg(mark::identity(pose.mark)), id));
         });
     }
     let (mut dropped, mut taken) = (0, Vec::new());

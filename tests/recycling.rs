@@ -6,6 +6,7 @@ use gibs::graph::Executable;
 use gibs::passes::data::{SurfelBirth, SurfelCounters, SurfelPose};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Camera;
+use gibs::passes::shared::mark;
 use gibs::{Renderer, builtin};
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -75,7 +76,9 @@ fn slots_are_neither_lost_nor_given_twice_on_a_flight() {
             renderer.frame().expect("a frame");
             let poses: Vec<SurfelPose> = state(renderer.executable(), "surfel_poses");
             for (old, new) in before.iter().zip(&poses) {
-                gone += u32::from(old.radius > 0.0 && old.identity != new.identity);
+                gone += u32::from(
+                    old.radius > 0.0 && mark::identity(old.mark) != mark::identity(new.mark),
+                );
             }
             before = poses;
             if frame % 10 == 9 {

@@ -7,7 +7,7 @@ use gibs::passes::data::{
     SurfelSettings,
 };
 use gibs::passes::frame::Settings;
-use gibs::passes::shared::depth;
+use gibs::passes::shared::{depth, mark};
 use gibs::passes::stages::positional_update::{LEARNS_FOR, LEARNS_UP_TO, SHRINKS_TO, radius_at};
 use gibs::{Renderer, builtin};
 
@@ -61,6 +61,7 @@ fn young_surfels_shrink_where_rays_find_walls() {
         let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, [96, 54], &settings, 0)
             .unwrap_or_else(|e| panic!("{name}: {e}"));
         let (mut shrunk, mut old) = (0, 0);
+        let (mut opened, mut hides) = (0, 0);
         renderer.frame().expect("a frame");
         for frame in 1..LEARNS_FOR + 8 {
             let before: Vec<SurfelPose> = left(&mut renderer, "surfel_poses");
@@ -72,10 +73,15 @@ fn young_surfels_shrink_where_rays_find_walls() {
             let grid: GridShape = left(&mut renderer, "grid")[0];
             let on_device: SurfelSettings = left(&mut renderer, "settings")[0];
             for (i, (was, is)) in before.iter().zip(&after).enumerate() {
-                if was.radius <= 0.0 || was.identity != is.identity {
+                if was.radius <= 0.0 || mark::identity(was.mark) != mark::identity(is.mark) {
                     continue;
                 }
                 let crowded = depth::is_crowded(&depths[i]);
+                if is.radius == was.radius {
+                    let open = depth::is_open(&depths[i]);
+                    assert_eq!(mark::is_open(is.mark), open, "{name}, surfel {i}");
+                    (opened, hides) = (opened + u32::from(open), hides + u32::from(!open));
+                }
                 let open = radius_at(is.position, births[i].clearance, &camera, &grid, &on_device);
                 let grows = open > LEARNS_UP_TO * was.radius;
                 let young = !grows && frame.wrapping_sub(births[i].frame) < LEARNS_FOR;
@@ -95,5 +101,6 @@ fn young_surfels_shrink_where_rays_find_walls() {
         }
         println!("{name}: {shrunk} times one shrank, {old} times one was too old to");
         assert!(shrunk > 50 && old > 0, "{name}: {shrunk}, {old}");
+        assert!(opened > 50 && hides > 50, "{name}: {opened}, {hides}");
     }
 }

@@ -300,8 +300,8 @@ element! {
         radius: f32,
         /// Unit geometric normal.
         normal: Vec3,
-        /// Hash of where and when it was born: its identity.
-        identity: u32,
+        /// Its identity, and whether lookups need its depth function, see [`mark`](crate::shared::mark).
+        mark: u32,
     }
 
     /// A surfel as it was born: fixed to its node.

@@ -4,10 +4,14 @@ import package::bounds::{bounds_may_reach, bounds_place, bounds_steps_in};
 @if(depths) import package::depth::depth_visibility;
 import package::grid::grid_cell;
 import package::lookup::{lookup_alignment, lookup_falloff};
+@if(depths) import package::mark::mark_is_open;
 import package::types::SurfelPose;
 
 @if(depths)
 fn coverage_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    if mark_is_open(pose.mark) {
+        return 1.0;
+    }
     return depth_visibility(id, pose, d);
 }
 @else

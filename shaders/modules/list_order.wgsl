@@ -1,9 +1,10 @@
 // The order of the grid's lists. Reads the stage's global `poses`; `list_sort` writes its `entries`.
 import package::hash::hash_pcg;
+import package::mark::mark_identity;
 
 /// What a surfel's place in a list goes by; equal ones stand in the order of their slots.
 fn list_key(id: u32) -> u32 {
-    return hash_pcg(poses[id].identity);
+    return hash_pcg(mark_identity(poses[id].mark));
 }
 
 /// Whether a surfel with this key stands before another one in a list.

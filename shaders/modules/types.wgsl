@@ -190,7 +190,7 @@ struct SurfelPose {
     position: vec3<f32>,
     radius: f32,
     normal: vec3<f32>,
-    identity: u32,
+    mark: u32,
 }
 
 struct SurfelBirth {

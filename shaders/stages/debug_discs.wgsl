@@ -8,6 +8,7 @@ import package::debug::{
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{LOOKUP_LEAST_WEIGHT, lookup_alignment, lookup_falloff};
+@if(depths) import package::mark::mark_is_open;
 import package::octahedral::octahedral_unpack;
 import package::sampling::sampling_to_local;
 import package::surface::surface_is_surface;
@@ -37,6 +38,9 @@ const GUIDE_REACH: f32 = 0.5;
 
 @if(depths)
 fn share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
+    if mark_is_open(pose.mark) {
+        return 1.0;
+    }
     return depth_visibility(id, pose, d);
 }
 @else

@@ -4,6 +4,7 @@ import package::draw::{Drawn, draw_ray};
 @if(guides) import package::guide::{guide_density, guide_draw, guide_share, guide_total};
 import package::hash::{hash_hash2, hash_hash3};
 import package::invocation::invocation_index;
+import package::mark::mark_identity;
 import package::mixture::mixture_goes_to_emitter;
 @if(guides) import package::mixture::{mixture_follow_guide, mixture_guided_density};
 import package::sampling::{sampling_r2, sampling_start};
@@ -107,9 +108,9 @@ fn main(
     let first = offsets[i];
     let last = offsets[i + 1u];
     let pose = poses[i];
-    let surfel = hash_hash2(pose.identity, frame.seed);
+    let surfel = hash_hash2(mark_identity(pose.mark), frame.seed);
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
-    let guide = find_guide(i, pose.identity);
+    let guide = find_guide(i, mark_identity(pose.mark));
     for (var ray = first; ray < last; ray++) {
         let index = irradiance[i].drawn + (ray - first);
         let seed = hash_hash3(surfel, frame.number, ray - first);

@@ -2,6 +2,7 @@
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
 @if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_rescaled};
+import package::mark::mark_of;
 import package::octahedral::octahedral_unpack;
 import package::recycling::RECYCLING_LOST;
 import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
@@ -45,6 +46,21 @@ fn is_crowded(surfel: u32) -> bool {
     return false;
 }
 
+/// Whether the depth function hides nothing within the radius: in no direction is the mean distance shorter.
+@if(depths)
+fn is_open(surfel: u32) -> bool {
+    for (var texel = 0u; texel < 16u; texel++) {
+        if (depths[surfel].texels[texel] & 0xffffu) < LOOKUP_RADIUS_STEPS {
+            return false;
+        }
+    }
+    return true;
+}
+@else
+fn is_open(surfel: u32) -> bool {
+    return true;
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -84,5 +100,5 @@ fn main(
     if radius != pose.radius {
         rescale_depths(i, pose.radius / radius);
     }
-    poses[i] = SurfelPose(position, radius, normal, pose.identity);
+    poses[i] = SurfelPose(position, radius, normal, mark_of(pose.mark, is_open(i)));
 }

@@ -3,6 +3,7 @@ import package::coverage::lookup_coverage;
 import package::hash::{hash_hash3, hash_unit};
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_PEAK;
+import package::mark::mark_identity;
 import package::recycling::{recycling_chance, recycling_looks};
 import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings};
 import package::vector::vector_length;
@@ -46,7 +47,7 @@ fn main(
     }
     let used = f32(counters[0].live) / f32(max(settings.capacity, 1u));
     var others = 0.0;
-    if recycling_looks(pose.identity, frame.number) {
+    if recycling_looks(mark_identity(pose.mark), frame.number) {
         looking = i;
         own_weight = 0.0;
         others = lookup_coverage(pose.position, pose.normal);
@@ -54,6 +55,6 @@ fn main(
     }
     let distance = vector_length(pose.position - camera.eye) / grid.half;
     let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);
-    let random = hash_unit(hash_hash3(pose.identity, frame.number, frame.seed));
+    let random = hash_unit(hash_hash3(mark_identity(pose.mark), frame.number, frame.seed));
     gone[i] = select(0u, 1u, random < chance);
 }

@@ -2,6 +2,7 @@
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::hash::hash_hash3;
 import package::invocation::invocation_index;
+import package::mark::mark_of;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::surface::surface_is_surface;
 import package::surfel::{SURFEL_AT_HIT, surfel_radius_at};
@@ -93,7 +94,7 @@ fn main(
     births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, clearance);
     let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
     let identity = hash_hash3(tile | at_hit, frame.number, frame.seed);
-    poses[slot] = SurfelPose(point.position, radius, normal, identity);
+    poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, true));
     irradiance[slot] = SurfelIrradiance();
     open_depth_function(slot);
 }

@@ -7,6 +7,7 @@ import package::guide::{
 };
 import package::hash::{hash_hash2, hash_hash3, hash_pcg, hash_unit};
 import package::invocation::invocation_index;
+import package::mark::mark_identity;
 import package::sampling::sampling_to_local;
 import package::types::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
 
@@ -51,14 +52,14 @@ fn main(
         return;
     }
     let cell = cells[grid_cell(pose.position, grid)];
-    let known = guide_rays(i, pose.identity);
+    let known = guide_rays(i, mark_identity(pose.mark));
     var old_step = 0.0;
     var total = 0.0;
     var share = 0.0;
     if known > 0u {
         old_step = bitcast<f32>(guides[i].scale & 0xffff0000u);
         total = guide_total(i);
-        share = guide_share(i, pose.identity, total);
+        share = guide_share(i, mark_identity(pose.mark), total);
     }
     // Mean squares of luminance.
     var squares: array<f32, GUIDE_TEXELS>;
@@ -66,7 +67,7 @@ fn main(
         let luminance = f32(guide_texel(i, t)) * old_step;
         squares[t] = luminance * luminance;
     }
-    let seed = hash_hash3(pose.identity, frame.number, frame.seed);
+    let seed = hash_hash3(mark_identity(pose.mark), frame.number, frame.seed);
     let most = min(cell.y, CANDIDATES);
     var taught = 0u;
     var count = 0u;
@@ -121,7 +122,7 @@ fn main(
     let step = bitcast<f32>(bits);
     var packed: SurfelGuide;
     packed.scale = min((learned + GUIDE_RAYS_STEP - 1u) / GUIDE_RAYS_STEP, GUIDE_MOST_STEPS);
-    packed.scale |= guide_tag(pose.identity) << 10u;
+    packed.scale |= guide_tag(mark_identity(pose.mark)) << 10u;
     if brightest > 0.0 && step > 0.0 {
         packed.scale |= bits;
         for (var t = 0u; t < GUIDE_TEXELS; t++) {

@@ -3,7 +3,7 @@ use super::upload;
 use crate::data::*;
 use crate::device::EnvironmentTable;
 use crate::shared::grid::{self, GridLayout};
-use crate::shared::{batch, hash};
+use crate::shared::{batch, hash, mark};
 use crate::stages::*;
 use gibs_graph::{BackendError, Dispatch, DispatchArgs, Executable, Graph, Initial};
 use glam::{UVec2, Vec3};
@@ -170,7 +170,7 @@ pub fn upload_probes(
             position: position(probe / frame.per_place),
             radius: 1.0,
             normal: frame.normals[(probe / frame.per_place) as usize],
-            identity: hash::pcg(probe),
+            mark: mark::of(hash::pcg(probe), false),
         })
         .collect();
     let mut cells = vec![UVec2::ZERO; LAYOUT.cells() as usize];

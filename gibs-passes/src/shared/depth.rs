@@ -27,6 +27,13 @@ pub const UNKNOWN: u32 = u32::MAX;
 /// A surfel's radius as a first moment, in steps.
 const RADIUS_STEPS: u32 = 0x8000;
 
+/// Whether a depth function hides nothing within the radius: in no direction is the mean distance shorter.
+#[inline]
+pub fn is_open(depth: &SurfelDepth) -> bool {
+    let texels = depth.texels.iter();
+    texels.fold(true, |open, texel| open & (texel & 0xffff >= RADIUS_STEPS))
+}
+
 /// Summed over all texels, by how many steps the mean distance may lack a radius before surfaces count as close: a thirty-second
 /// of the radius in the mean over directions.
 const CLOSE: u32 = DEPTH_SIDE * DEPTH_SIDE * RADIUS_STEPS / 32;

@@ -2,7 +2,7 @@
 //! Depth").
 use super::depth::{openness, visibility};
 use super::lists::{List, Surfels};
-use super::{octahedral, surface};
+use super::{mark, octahedral, surface};
 use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose};
 use glam::Vec3;
 
@@ -146,6 +146,16 @@ pub fn gathers(
     })
 }
 
+/// Share of a surfel's light that its depth function lets through to a point within its radius, at `d` from it.
+#[inline]
+pub fn share(s: &Surfels<'_>, id: usize, d: Vec3) -> f32 {
+    let pose = &s.poses[id];
+    match s.depths.get(id) {
+        Some(depth) if !mark::is_open(pose.mark) => visibility(depth, pose, d),
+        _ => 1.0,
+    }
+}
+
 /// Summed weight of the surfels at a point: the same weights as [`gather`]. Calls `seen` with each surfel that has any.
 #[inline]
 pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
@@ -155,8 +165,8 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
         let pose = &s.poses[id];
         let d = place.position - pose.position;
         let mut weight = falloff(d, pose) * alignment(place.normal, pose);
-        if weight > 0.0 && !s.depths.is_empty() {
-            weight *= visibility(&s.depths[id], pose, d);
+        if weight > 0.0 {
+            weight *= share(s, id, d);
         }
         sum += weight;
         if weight > 0.0 {
@@ -227,9 +237,7 @@ pub fn gather(
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
-        if !s.depths.is_empty() {
-            weight *= visibility(&s.depths[id], pose, d);
-        }
+        weight *= share(s, id, d);
         if weight < LEAST_WEIGHT {
             continue;
         }

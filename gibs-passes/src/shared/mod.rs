@@ -13,6 +13,7 @@ pub mod guide;
 pub mod hash;
 pub mod lists;
 pub mod lookup;
+pub mod mark;
 pub mod mixture;
 pub mod octahedral;
 pub mod portable;

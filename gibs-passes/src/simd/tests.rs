@@ -6,7 +6,7 @@ use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
-use crate::shared::{depth, octahedral};
+use crate::shared::{depth, mark, octahedral};
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -40,7 +40,7 @@ fn the_wide_lookup_is_the_scalar_one() {
             } else {
                 direction(i, 4)
             },
-            identity: i,
+            mark: mark::of(i, hash2(i, 12) % 3 == 0),
         })
         .collect();
     let depths: Vec<SurfelDepth> = ids()

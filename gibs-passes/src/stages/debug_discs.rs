@@ -80,9 +80,7 @@ fn weighted(
         if weight <= 0.0 || value < 0.0 {
             continue;
         }
-        if !s.depths.is_empty() {
-            weight *= depths::visibility(&s.depths[id], pose, d);
-        }
+        weight *= lookup::share(s, id, d);
         if weight < lookup::LEAST_WEIGHT {
             continue;
         }

@@ -3,7 +3,7 @@ use crate::data::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose,
     SurfelSettings,
 };
-use crate::shared::{guide, hash, mixture, sampling};
+use crate::shared::{guide, hash, mark, mixture, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
@@ -113,10 +113,13 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
     for i in range {
         let (first, last) = (p.offsets[i], p.offsets[i + 1]);
         let pose = &p.poses[i];
-        let surfel = hash::hash2(pose.identity, p.frame.seed);
+        let surfel = hash::hash2(mark::identity(pose.mark), p.frame.seed);
         let shift = (hash::hash2(surfel, 0), hash::hash2(surfel, 1));
         let guide = match first < last {
-            true => p.guides.get(i).and_then(|of| Guide::new(of, pose.identity)),
+            true => p
+                .guides
+                .get(i)
+                .and_then(|of| Guide::new(of, mark::identity(pose.mark))),
             false => None,
         };
         for ray in first..last {

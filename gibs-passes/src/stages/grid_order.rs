@@ -1,6 +1,6 @@
 //! `persistent/grid_order`: the lists of the cells, in an order that depends on nothing but the surfels.
 use crate::data::{GridShape, SurfelPose};
-use crate::shared::{bounds, hash, lists};
+use crate::shared::{bounds, hash, lists, mark};
 use gibs_graph::{Workgroup, WriteView, stage};
 use glam::UVec2;
 
@@ -28,7 +28,7 @@ stage! {
 /// Sort key of a surfel: equal hashes fall back to the slot.
 #[inline]
 fn key(poses: &[SurfelPose], id: u32) -> (u32, u32) {
-    (hash::pcg(poses[id as usize].identity), id)
+    (hash::pcg(mark::identity(poses[id as usize].mark)), id)
 }
 
 /// Whether a surfel stands before another one in a list.

@@ -4,7 +4,7 @@ use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
     Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
 };
-use crate::shared::{depth, grid, octahedral, recycling};
+use crate::shared::{depth, grid, mark, octahedral, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -12,7 +12,8 @@ stage! {
     /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
     /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in. The depth
     /// function, whose distances are over the diameter, follows the radius; where it tells of surfaces close by, which the picture
-    /// at its birth need not have shown, a young surfel shrinks.
+    /// at its birth need not have shown, a young surfel shrinks. A surfel whose depth function hides nothing within its radius is
+    /// marked, so that lookups in this frame leave it out.
     pub stage PositionalUpdate {
         wgsl: gibs_shaders::stages::POSITIONAL_UPDATE,
         workgroup: [64, 1, 1],
@@ -93,13 +94,14 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let depth = depth::rescaled(&p.depths.get(i), pose.radius / radius);
             p.depths.set(i, depth);
         }
+        let open = p.depths.is_empty() || depth::is_open(&p.depths.get(i));
         p.poses.set(
             i,
             SurfelPose {
                 position,
                 radius,
                 normal,
-                identity: pose.identity,
+                mark: mark::of(pose.mark, open),
             },
         );
     }

@@ -4,7 +4,7 @@ use crate::data::{
 };
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, Place};
-use crate::shared::{hash, recycling};
+use crate::shared::{hash, mark, recycling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
@@ -65,7 +65,7 @@ fn choose(
         let pose = &p.poses[i];
         let mut gone = 0;
         if pose.radius > 0.0 {
-            let others = match recycling::looks(pose.identity, p.frame.number) {
+            let others = match recycling::looks(mark::identity(pose.mark), p.frame.number) {
                 true => {
                     let place = Place {
                         position: pose.position,
@@ -89,7 +89,11 @@ fn choose(
                 (pose.position - p.camera.eye).length() / p.grid.half,
                 others / p.settings.coverage,
             );
-            let random = hash::unit(hash::hash3(pose.identity, p.frame.number, p.frame.seed));
+            let random = hash::unit(hash::hash3(
+                mark::identity(pose.mark),
+                p.frame.number,
+                p.frame.seed,
+            ));
             gone = u32::from(random < chance);
         }
         p.gone.set(i, gone);

@@ -5,7 +5,7 @@ use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
     SurfelPose, SurfelSettings, Transform,
 };
-use crate::shared::{hash, octahedral, surface};
+use crate::shared::{hash, mark, octahedral, surface};
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
 
@@ -105,7 +105,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 position: point.position,
                 radius: radius_at(point.position, clearance, p.camera, p.grid, p.settings),
                 normal,
-                identity: hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed),
+                mark: mark::of(
+                    hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed),
+                    true,
+                ),
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());

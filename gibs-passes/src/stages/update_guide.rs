@@ -1,6 +1,6 @@
 //! `persistent/update_guide`: what the rays of its neighbours brought, into a surfel's guide (I6).
 use crate::data::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
-use crate::shared::{estimator, grid, guide, hash, sampling};
+use crate::shared::{estimator, grid, guide, hash, mark, sampling};
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3, Vec4};
 use std::f32::consts::PI;
@@ -37,8 +37,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             true => p.cells[grid::cell(pose.position, p.grid) as usize],
             false => UVec2::ZERO,
         };
-        let mut lesson = Lesson::new(p.guides.get(i), pose.identity);
-        let seed = hash::hash3(pose.identity, p.frame.number, p.frame.seed);
+        let mut lesson = Lesson::new(p.guides.get(i), mark::identity(pose.mark));
+        let seed = hash::hash3(mark::identity(pose.mark), p.frame.number, p.frame.seed);
         let mut taught = 0;
         for k in 0..cell.y.min(guide::CANDIDATES) {
             let entry = cell.x + (hash::pcg(seed) % cell.y + k) % cell.y;
@@ -65,7 +65,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         if lesson.count > 0 {
             let dither = |t| hash::unit(hash::hash2(seed, t));
-            p.guides.set(i, lesson.finish(pose.identity, dither));
+            p.guides
+                .set(i, lesson.finish(mark::identity(pose.mark), dither));
         }
     }
 }

@@ -30,7 +30,7 @@ fn pose(i: u32) -> SurfelPose {
         position,
         radius: most * d.between(0.6, 1.0),
         normal: (Vec3::Z + 0.3 * d.direction()).normalize(),
-        identity: hash::pcg(i),
+        mark: hash::pcg(i),
     }
 }
 fn poses() -> Vec<SurfelPose> {

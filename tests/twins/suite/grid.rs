@@ -4,7 +4,7 @@ use super::inputs::Draw;
 use gibs_graph::glam::Vec3;
 use gibs_passes::data::{Camera, GridShape, SurfelPose, SurfelSettings};
 use gibs_passes::shared::grid::{self, GridLayout};
-use gibs_passes::shared::{bounds, hash, sorting};
+use gibs_passes::shared::{bounds, hash, mark, sorting};
 use gibs_passes::stages::grid_order;
 use gibs_passes::stages::positional_update::radius_at;
 
@@ -40,7 +40,7 @@ pub fn pose(d: &mut Draw, shape: &GridShape) -> SurfelPose {
         position,
         radius: most * d.one_of(&[1.0, 0.5, 1e-4]) * d.between(0.5, 1.0),
         normal: d.direction(),
-        identity: d.word(),
+        mark: d.word(),
     }
 }
 
@@ -189,7 +189,7 @@ fn poses() -> Vec<SurfelPose> {
     let identity = |i| hash::pcg(i) & 0xff;
     (0..512)
         .map(|i| SurfelPose {
-            identity: identity(i),
+            mark: mark::of(identity(i), i % 3 == 0),
             ..SurfelPose::default()
         })
         .collect()
@@ -208,7 +208,7 @@ twin! {
     wgsl "entries = list; list_sort(1u, count); return entries;",
     rust {
         let mut sorted = list;
-        let key = |id: &u32| (hash::pcg(poses[*id as usize].identity), *id);
+        let key = |id: &u32| (hash::pcg(mark::identity(poses[*id as usize].mark)), *id);
         sorted[1..1 + count as usize].sort_by_key(key);
         sorted
     },

@@ -3,7 +3,7 @@ use super::declare::{DIVIDED, EXACT, ROUNDED};
 use super::inputs::Draw;
 use gibs_graph::glam::{Vec2, Vec3};
 use gibs_passes::data::{SurfelDepth, SurfelPose};
-use gibs_passes::shared::{depth, hash, lookup, mixture, recycling};
+use gibs_passes::shared::{depth, hash, lookup, mark, mixture, recycling};
 
 /// A surfel in the middle, and of a size that a place near it can be within.
 fn pose(d: &mut Draw) -> SurfelPose {
@@ -160,6 +160,27 @@ twin! {
 }
 
 twin! {
+    identity ["mark::mark_identity"], (mark: u32) -> u32,
+    wgsl "mark_identity(mark)",
+    rust mark::identity(mark),
+    draw |d| (d.word(),),
+    bound EXACT,
+}
+twin! {
+    is_open ["mark::mark_is_open"], (mark: u32) -> u32,
+    wgsl "u32(mark_is_open(mark))",
+    rust u32::from(mark::is_open(mark)),
+    draw |d| (d.word(),),
+    bound EXACT,
+}
+twin! {
+    mark_of ["mark::mark_of"], (identity: u32, open: u32) -> u32,
+    wgsl "mark_of(identity, open != 0u)",
+    rust mark::of(identity, open != 0),
+    draw |d| (d.word(), d.flag()),
+    bound EXACT,
+}
+twin! {
     looks ["recycling::recycling_looks"], (identity: u32, frame: u32) -> u32,
     wgsl "u32(recycling_looks(identity, frame))",
     rust u32::from(recycling::looks(identity, frame)),
@@ -246,6 +267,9 @@ twins!(
     depth_visibility,
     depth_openness,
     depth_visibility_within,
+    identity,
+    is_open,
+    mark_of,
     looks,
     chance,
     goes_to_emitter,

@@ -1,5 +1,6 @@
 //! Tests of `shared/depth.rs`.
 use super::*;
+use crate::shared::hash;
 
 #[test]
 fn chebyshev_is_one_up_to_the_mean_and_falls_beyond() {
@@ -55,6 +56,32 @@ fn what_is_hemmed_in_is_crowded() {
     assert!(is_crowded(&rescaled(&open, 0.45)));
 }
 
+/// One whose directions all are open up to the radius lets everything within it through, wherever that is; a step less in one
+/// direction, and it may hide something.
+#[test]
+fn what_is_open_hides_nothing_within_the_radius() {
+    let pose = SurfelPose {
+        radius: 0.37,
+        normal: Vec3::new(0.48, -0.6, 0.64),
+        ..SurfelPose::default()
+    };
+    for case in 0..2000 {
+        let random = |k: u32| hash::hash2(case, k);
+        let texel = |t: usize| (0x8000 + random(t as u32) % 0x8000) | random(100 + t as u32) << 16;
+        let depth = SurfelDepth {
+            texels: std::array::from_fn(texel),
+        };
+        assert!(is_open(&depth));
+        let unit = |k| hash::unit(random(k));
+        let way = Vec3::new(unit(20) - 0.5, unit(21) - 0.5, unit(22) - 0.5).normalize();
+        let far = [unit(23), 1.0][case as usize % 2];
+        assert_eq!(visibility(&depth, &pose, way * (far * pose.radius)), 1.0);
+        let mut close = depth;
+        close.texels[case as usize % 16] = 0x7fff;
+        assert!(!is_open(&close));
+    }
+}
+
 #[test]
 fn moments_survive_packing_at_their_extremes() {
     for m in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.25, 0.75)] {
@@ -85,7 +112,7 @@ fn openness_goes_on_beyond_the_diameter() {
         position: Vec3::ZERO,
         radius: 0.5,
         normal: Vec3::Z,
-        identity: 0,
+        mark: 0,
     };
     let walled = SurfelDepth {
         texels: [pack_moments(Vec2::new(0.5, 0.25)); 16],

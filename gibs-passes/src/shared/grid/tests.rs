@@ -123,7 +123,7 @@ fn a_point_in_a_surfel_lies_in_an_overlapped_cell() {
                 0 => Vec3::NEG_Y,
                 _ => direction(i, 7),
             },
-            identity: i,
+            mark: i,
         };
         let mut cells = Vec::new();
         overlapped(&pose, &grid, |cell| cells.push(cell));

@@ -7,14 +7,12 @@ use glam::UVec2;
 
 /// What is gathered at the origin, with normal z, from surfels of these radii and lights there.
 fn gathered(surfels: &[(f32, f32)]) -> Gathered {
-    let poses = (0..)
-        .zip(surfels)
-        .map(|(identity, &(radius, _))| SurfelPose {
-            position: Vec3::ZERO,
-            radius,
-            normal: Vec3::Z,
-            identity,
-        });
+    let poses = (0..).zip(surfels).map(|(mark, &(radius, _))| SurfelPose {
+        position: Vec3::ZERO,
+        radius,
+        normal: Vec3::Z,
+        mark,
+    });
     let light: Vec<f32> = surfels.iter().map(|surfel| surfel.1).collect();
     from(&poses.collect::<Vec<_>>(), &light, false)
 }
@@ -95,7 +93,7 @@ fn the_average_reaches_where_no_surfel_does() {
         position,
         radius: 0.2,
         normal: normal.normalize(),
-        identity: 0,
+        mark: 0,
     };
     let leaning = pose(Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.6, 0.8));
     let turned = pose(Vec3::new(-0.5, 0.5, 0.0), Vec3::new(0.0, 0.6, -0.8));

@@ -12,6 +12,7 @@ use super::directions::{over_the_lobe, start};
 use super::hashes::{hash2, hash3, unit};
 use super::lanes::{columns, loaded_words, store_rows};
 use crate::data::{Path, Ray};
+use crate::shared::mark;
 use crate::shared::sampling::R2_STEPS;
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
@@ -85,12 +86,13 @@ impl Batch {
         let word = |word: u32| _mm256_set1_epi32(word as i32);
         let poses = self.surfels.map(|i| &from.poses[i]);
         let [x, y, z, _] = columns::<0, _>(&poses);
-        let [nx, ny, nz, identity] = columns::<4, _>(&poses);
+        let [nx, ny, nz, marks] = columns::<4, _>(&poses);
         let (position, normal) = ([x, y, z], [nx, ny, nz]);
         let offset = self.surfels.map(|i| from.births[i].offset.to_bits());
         let drawn = self.surfels.map(|i| from.irradiance[i].drawn);
         let turn = loaded_words(&self.turns);
-        let surfel = hash2(_mm256_castps_si256(identity), word(from.frame.seed));
+        let identity = _mm256_and_si256(_mm256_castps_si256(marks), word(mark::identity(u32::MAX)));
+        let surfel = hash2(identity, word(from.frame.seed));
         let index = _mm256_add_epi32(loaded_words(&drawn), turn);
         // As `sampling::r2`.
         let along = |axis: usize| {

@@ -30,7 +30,7 @@ fn pose(i: u32) -> SurfelPose {
             2 => -direction(i, 4),
             _ => direction(i, 4),
         },
-        identity: hash2(i, 7),
+        mark: hash2(i, 7),
     }
 }
 

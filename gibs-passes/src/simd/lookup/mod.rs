@@ -9,7 +9,7 @@ pub mod poses;
 
 use std::arch::x86_64::*;
 
-use super::lanes::{Lanes3, all, for_lanes, stored};
+use super::lanes::{all, for_lanes, stored};
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
 use crate::shared::lists::{List, Surfels};
@@ -120,30 +120,6 @@ fn eight(entries: &[u32]) -> (__m256i, u32) {
 fn above_zero(weight: __m256, count: usize) -> u32 {
     let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
     _mm256_movemask_ps(some) as u32 & ((1 << count) - 1)
-}
-
-/// What is left of weights after the depth functions, and the mask of those that were above zero before.
-///
-/// # Safety
-/// The processor has the features that the callers are compiled for.
-#[inline(always)]
-unsafe fn weighed(
-    s: &Surfels<'_>,
-    ids: &[u32; 8],
-    count: usize,
-    poses: &Poses,
-    weight: __m256,
-    point: &Lanes3,
-) -> (__m256, u32) {
-    // SAFETY: the caller is compiled for AVX2.
-    unsafe {
-        let mask = above_zero(weight, count);
-        if mask == 0 || s.depths.is_empty() {
-            return (weight, mask);
-        }
-        let share = poses.visibility(s.depths, ids, point);
-        (_mm256_mul_ps(weight, share), mask)
-    }
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]

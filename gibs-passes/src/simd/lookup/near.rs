@@ -6,7 +6,7 @@ use super::super::lanes::{Lanes3, all, for_lanes, stored};
 use super::super::prefetch;
 use super::bounds::Point;
 use super::poses::Poses;
-use super::{eight, weighed};
+use super::{above_zero, eight};
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup::Place;
 
@@ -78,8 +78,14 @@ unsafe fn weights_at(
     unsafe {
         let poses = Poses::load(s.poses, ids);
         let weight = _mm256_mul_ps(poses.falloff(&poses.to(point)), poses.alignment(normal));
-        let (weight, mask) = weighed(s, ids, count, &poses, weight, point);
-        (stored(weight), mask)
+        let mask = above_zero(weight, count);
+        if mask & poses.hiding() == 0 || s.depths.is_empty() {
+            return (stored(weight), mask);
+        }
+        let share = poses.visibility(s.depths, ids, point);
+        // Of the open ones the mark's highest bit is set, which is what is looked at.
+        let share = _mm256_blendv_ps(share, _mm256_set1_ps(1.0), poses.mark);
+        (stored(_mm256_mul_ps(weight, share)), mask)
     }
 }
 
@@ -128,14 +134,16 @@ pub fn neighbours(
             let poses = Poses::load(s.poses, ids);
             let nearness = poses.reaching(reach as f32).nearness(&poses.to(&point));
             let weight = _mm256_mul_ps(nearness, poses.alignment(&normal));
-            let (mut weight, mask) = weighed(s, ids, count, &poses, weight, &point);
+            let mask = above_zero(weight, count);
+            let mut weight = weight;
             if mask != 0 && !s.depths.is_empty() {
-                let share = Poses::repeated(own_pose).visibility(
+                weight = _mm256_mul_ps(weight, poses.visibility(s.depths, ids, &point));
+                let own_share = Poses::repeated(own_pose).visibility(
                     s.depths,
                     &[own as u32; 8],
                     &poses.position,
                 );
-                weight = _mm256_mul_ps(weight, share);
+                weight = _mm256_mul_ps(weight, own_share);
             }
             let weight = stored(weight);
             for_lanes(mask, |lane| {

@@ -7,12 +7,12 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::super::lanes::stored;
+use super::super::lanes::{loaded, stored};
 use super::super::prefetch;
 use super::batch::Batch;
 use super::bounds::Point;
-use super::eight;
 use super::poses::Poses;
+use super::{above_zero, eight};
 use crate::shared::lists::Surfels;
 use bytemuck::Pod;
 
@@ -29,6 +29,9 @@ struct Line {
     points: [MaybeUninit<u32>; ROOM],
     weights: [MaybeUninit<f32>; ROOM],
     count: usize,
+    /// Places in the line of pairs whose weights still lack the depth functions.
+    hiding: [MaybeUninit<u32>; ROOM],
+    hiding_count: usize,
 }
 
 /// Eight pairs of a line.
@@ -66,6 +69,8 @@ impl Line {
             points: [const { MaybeUninit::uninit() }; ROOM],
             weights: [const { MaybeUninit::uninit() }; ROOM],
             count: 0,
+            hiding: [const { MaybeUninit::uninit() }; ROOM],
+            hiding_count: 0,
         }
     }
 
@@ -133,6 +138,51 @@ impl Line {
         }
         self.count += (mask & 0xff).count_ones() as usize;
     }
+
+    /// Notes those places from one on, of eight, that a mask names.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    fn note_hiding(&mut self, mask: u32, first: usize) {
+        let set = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET[mask as usize & 0xff] as i64));
+        let places = _mm256_add_epi32(set, _mm256_set1_epi32(first as i32));
+        let to = &mut self.hiding[self.hiding_count..self.hiding_count + 8];
+        // SAFETY: the store writes the eight words of the slice and needs no alignment.
+        unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), places) };
+        self.hiding_count += (mask & 0xff).count_ones() as usize;
+    }
+
+    /// Places whose weights still lack the depth functions, and the line's surfels.
+    #[inline(always)]
+    fn hiding(&self) -> &[u32] {
+        // SAFETY: `note_hiding` has written what is below the count.
+        unsafe { self.hiding[..self.hiding_count].assume_init_ref() }
+    }
+
+    /// Multiplies the weights that lack them by the depth functions' shares.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    fn hide(&mut self, batch: &Batch<'_>, s: &Surfels<'_>) {
+        for start in (0..self.hiding_count).step_by(8) {
+            let of = &self.hiding()[start..self.hiding_count.min(start + 8)];
+            let count = of.len();
+            let places: [usize; 8] =
+                std::array::from_fn(|i| of[if i < count { i } else { 0 }] as usize);
+            // SAFETY: the places are those of pairs that `append` has written; this function is compiled for AVX2.
+            unsafe {
+                let surfels = places.map(|place| self.surfels[place].assume_init());
+                let points = places.map(|place| self.points[place].assume_init());
+                let weights = places.map(|place| self.weights[place].assume_init());
+                let poses = Poses::load(s.poses, &surfels);
+                let at = Poses::load(&batch.points, &points);
+                let share = poses.visibility(s.depths, &surfels, &at.position);
+                let weights = stored(_mm256_mul_ps(loaded(&weights), share));
+                for (&place, weight) in places.iter().zip(weights).take(count) {
+                    self.weights[place] = MaybeUninit::new(weight);
+                }
+            }
+        }
+        self.hiding_count = 0;
+    }
 }
 
 /// Calls `each` with point, surfel and weight of all pairs that have any before the depth functions, in order. `soon`
@@ -188,9 +238,12 @@ fn weigh(
                 let places = Poses::load(&batch.points, &pairs.points);
                 let falloff = poses.falloff(&poses.to(&places.position));
                 let weight = _mm256_mul_ps(falloff, poses.alignment(&places.normal));
-                let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
+                let mask = above_zero(weight, pairs.count);
+                if !s.depths.is_empty() {
+                    weighty.note_hiding(_pext_u32(poses.hiding(), mask), weighty.count);
+                }
                 weighty.append(
-                    _mm256_movemask_ps(some) as u32 & ((1 << pairs.count) - 1),
+                    mask,
                     _mm256_loadu_si256(pairs.surfels.as_ptr().cast()),
                     _mm256_loadu_si256(pairs.points.as_ptr().cast()),
                     weight,
@@ -199,8 +252,14 @@ fn weigh(
         },
     );
     for id in weighty.surfels() {
-        prefetch(s.depths, id);
         soon(id);
+    }
+    for &place in weighty.hiding() {
+        // SAFETY: it is the place of a pair that `append` has written.
+        prefetch(
+            s.depths,
+            unsafe { weighty.surfels[place as usize].assume_init() } as usize,
+        );
     }
 }
 
@@ -213,20 +272,11 @@ fn finish(
     s: &Surfels<'_>,
     each: &mut impl FnMut(usize, usize, f32),
 ) {
+    weighty.hide(batch, s);
     weighty.take(
         #[inline(always)]
         |pairs| {
-            let mut weights = pairs.weights;
-            if !s.depths.is_empty() {
-                // SAFETY: this function is compiled for AVX2; the load reads eight floats and needs no alignment.
-                weights = unsafe {
-                    let poses = Poses::load(s.poses, &pairs.surfels);
-                    let places = Poses::load(&batch.points, &pairs.points);
-                    let share = poses.visibility(s.depths, &pairs.surfels, &places.position);
-                    stored(_mm256_mul_ps(_mm256_loadu_ps(weights.as_ptr()), share))
-                };
-            }
-            let pair = pairs.points.iter().zip(&pairs.surfels).zip(weights);
+            let pair = pairs.points.iter().zip(&pairs.surfels).zip(pairs.weights);
             for ((&point, &surfel), weight) in pair.take(pairs.count) {
                 each(point as usize, surfel as usize, weight);
             }

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use super::super::directions::{hemisphere, to_local};
 use super::super::lanes::{Lanes3, all, dot, positive};
 use crate::data::{SurfelDepth, SurfelPose};
-use crate::shared::{depth, lookup};
+use crate::shared::{depth, lookup, mark};
 
 /// Eight surfels, in columns.
 #[derive(Clone, Copy)]
@@ -16,6 +16,8 @@ pub struct Poses {
     pub radius: __m256,
     /// Normal.
     pub normal: Lanes3,
+    /// Mark.
+    pub mark: __m256,
 }
 
 const _: () = assert!(size_of::<SurfelPose>() == 32 && size_of::<SurfelDepth>() == 64);
@@ -70,6 +72,7 @@ impl Poses {
                     _mm256_permute2f128_ps::<0x31>(b1, b5),
                     _mm256_permute2f128_ps::<0x31>(b2, b6),
                 ],
+                mark: _mm256_permute2f128_ps::<0x31>(b3, b7),
             }
         }
     }
@@ -82,7 +85,16 @@ impl Poses {
             position: all(pose.position),
             radius: _mm256_set1_ps(pose.radius),
             normal: all(pose.normal),
+            mark: _mm256_castsi256_ps(_mm256_set1_epi32(pose.mark as i32)),
         }
+    }
+
+    /// A bit for each that hides something within its radius: [`mark::is_open`] is false.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn hiding(&self) -> u32 {
+        const { assert!(mark::OPEN == 1 << 31) };
+        !_mm256_movemask_ps(self.mark) as u32 & 0xff
     }
 
     /// From each surfel to a point.

@@ -35,7 +35,7 @@ fn pose(i: u32) -> SurfelPose {
             1 => Vec3::X,
             _ => direction(i, 4),
         },
-        identity: i,
+        mark: i,
     }
 }
 
