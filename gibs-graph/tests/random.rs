@@ -199,6 +199,34 @@ fn transients_share_memory_in_turn() {
     assert!(!oracle::unsettled(&without).is_empty());
 }
 
+/// A large transient shares with one of about its size, smaller or larger, and with no other; small ones with any.
+#[test]
+fn large_transients_share_with_their_like() {
+    let shares = |first: u64, third: u64| {
+        let mut g = Graph::new("sizes");
+        let source = g.input("source", LEN);
+        let lengths = [("a", first), ("b", LEN), ("c", third), ("last", LEN)];
+        let [a, b, c, last] = lengths.map(|(name, len)| g.transient(name, len));
+        let a = pass_on(&mut g, "first", &source, a);
+        let b = pass_on(&mut g, "second", &a, b);
+        let c = pass_on(&mut g, "third", &b, c);
+        let last = pass_on(&mut g, "fourth", &c, last);
+        g.output("last", &last);
+        let schedule = g.compile(None).unwrap();
+        assert_eq!(oracle::collisions(&schedule), []);
+        let of = |key| &schedule.resources[schedule.resource(key).unwrap() as usize];
+        of("c").home == of("a").home
+    };
+    let large = 1 << 20;
+    assert!(
+        shares(large, large)
+            && shares(large, large + large / 4)
+            && shares(large + large / 4, large)
+    );
+    assert!(!shares(large, large + large / 4 + 1) && !shares(2 * large, large));
+    assert!(!shares(100, large) && shares(large, 100) && shares(100, 1000));
+}
+
 #[test]
 fn the_oracle_finds_a_wrong_home() {
     let mut schedule = chain();

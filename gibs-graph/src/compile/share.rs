@@ -11,7 +11,9 @@ type Lifetime = (usize, usize);
 /// barrier that is there anyway, so that sharing adds none and stages that are independent stay so.
 ///
 /// Greedy over the steps: a transient takes, of the memory that is free when it is first touched, the smallest that is
-/// large enough, or else the largest, which then grows.
+/// large enough, or else the largest, which then grows. A large one takes only what is of about its size: a processor's threads
+/// each go over the same part of every buffer, and of memory that was cut into other parts before, half the lines would be
+/// in another core's cache.
 pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool]) {
     let lifetimes = lifetimes(steps, resources.len());
     let mut sharing: Vec<(Lifetime, usize)> = resources
@@ -39,7 +41,9 @@ pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool
     let mut homes: Vec<(usize, usize)> = Vec::new();
     for ((first, last), i) in sharing {
         let bytes = resources[i].bytes;
-        let free = homes.iter_mut().filter(|(_, until)| *until < fences[first]);
+        let free = homes.iter_mut().filter(|(home, until)| {
+            *until < fences[first] && (bytes < LARGE || is_alike(resources[*home].room, bytes))
+        });
         let best = free.min_by_key(|(home, _)| {
             let room = resources[*home].room;
             if room >= bytes {
@@ -58,6 +62,15 @@ pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool
             None => homes.push((i, last)),
         }
     }
+}
+
+/// From how many bytes on a transient does not take what is of another size.
+const LARGE: u64 = 64 << 10;
+
+/// Whether sizes differ by no more than a quarter.
+fn is_alike(a: u64, b: u64) -> bool {
+    let (less, more) = (a.min(b), a.max(b));
+    more - less <= less / 4
 }
 
 fn lifetimes(steps: &[Step], resources: usize) -> Vec<Option<Lifetime>> {

@@ -40,7 +40,7 @@ fn the_wide_lookup_is_the_scalar_one() {
             } else {
                 direction(i, 4)
             },
-            mark: mark::of(i, hash2(i, 12) % 3 == 0),
+            mark: mark::of(i, hash2(i, 12).is_multiple_of(3)),
         })
         .collect();
     let depths: Vec<SurfelDepth> = ids()
