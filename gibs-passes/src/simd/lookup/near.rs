@@ -2,9 +2,10 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
-use super::super::lanes::{Lanes3, all, for_lanes, stored};
+use super::super::lanes::{Lanes3, all, for_lanes, loaded, loaded_words, stored};
 use super::super::prefetch;
 use super::bounds::Point;
+use super::pairs::{FULL, Line};
 use super::poses::Poses;
 use super::{above_zero, eight};
 use crate::shared::lists::{List, Surfels};
@@ -124,37 +125,66 @@ pub fn neighbours(
 ) {
     let own_pose = &s.poses[own];
     let (point, normal) = (all(own_pose.position), all(own_pose.normal));
-    let soon = |id| {
-        prefetch(s.poses, id);
-        prefetch(s.depths, id);
-    };
+    let mut weighty = Line::new();
+    let soon = |id| prefetch(s.poses, id);
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
         unsafe {
             let poses = Poses::load(s.poses, ids);
             let nearness = poses.reaching(reach as f32).nearness(&poses.to(&point));
             let weight = _mm256_mul_ps(nearness, poses.alignment(&normal));
-            let mask = above_zero(weight, count);
-            let mut weight = weight;
-            if mask != 0 && !s.depths.is_empty() {
-                weight = _mm256_mul_ps(weight, poses.visibility(s.depths, ids, &point));
-                let own_share = Poses::repeated(own_pose).visibility(
-                    s.depths,
-                    &[own as u32; 8],
-                    &poses.position,
-                );
-                weight = _mm256_mul_ps(weight, own_share);
-            }
-            let weight = stored(weight);
+            let mut mask = above_zero(weight, count);
             for_lanes(mask, |lane| {
                 let id = ids[lane] as usize;
-                if wanted(id) {
-                    each(id, weight[lane]);
+                match wanted(id) {
+                    true => prefetch(s.depths, id),
+                    false => mask &= !(1 << lane),
                 }
             });
+            weighty.append(mask, loaded_words(ids), _mm256_setzero_si256(), weight);
+            if weighty.count() >= FULL {
+                finish_neighbours(&mut weighty, own, s, &mut each);
+            }
         }
         true
     };
     // SAFETY: this function is compiled for AVX2.
     unsafe { for_near(list, reach, soon, eight_near) };
+    finish_neighbours(&mut weighty, own, s, &mut each);
+}
+
+/// Weights of neighbours with both depth functions, for `each` to take; empties the line.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn finish_neighbours(
+    weighty: &mut Line,
+    own: usize,
+    s: &Surfels<'_>,
+    each: &mut impl FnMut(usize, f32),
+) {
+    let own_pose = &s.poses[own];
+    weighty.take(
+        #[inline(always)]
+        |eight| {
+            let mut weights = eight.weights;
+            if !s.depths.is_empty() {
+                // SAFETY: this function is compiled for AVX2.
+                weights = unsafe {
+                    let poses = Poses::load(s.poses, &eight.surfels);
+                    let point = all(own_pose.position);
+                    let share = poses.visibility(s.depths, &eight.surfels, &point);
+                    let weight = _mm256_mul_ps(loaded(&weights), share);
+                    let own_share = Poses::repeated(own_pose).visibility(
+                        s.depths,
+                        &[own as u32; 8],
+                        &poses.position,
+                    );
+                    stored(_mm256_mul_ps(weight, own_share))
+                };
+            }
+            for (&id, weight) in eight.surfels.iter().zip(weights).take(eight.count) {
+                each(id as usize, weight);
+            }
+        },
+    );
 }

@@ -17,14 +17,14 @@ use crate::shared::lists::Surfels;
 use bytemuck::Pod;
 
 /// Pairs in a line before they go on.
-const FULL: usize = 256;
+pub const FULL: usize = 256;
 
 /// Room in a line: the last ones to come may be eight, in eight words more.
 const ROOM: usize = FULL + 16;
 
 /// Pairs of surfel and point, in the order of the points and, for each, of its list, and the weight of each. What has not
 /// been written is not read: clearing the whole line for every sixteen points would take longer than what is done with it.
-struct Line {
+pub struct Line {
     surfels: [MaybeUninit<u32>; ROOM],
     points: [MaybeUninit<u32>; ROOM],
     weights: [MaybeUninit<f32>; ROOM],
@@ -35,12 +35,15 @@ struct Line {
 }
 
 /// Eight pairs of a line.
-struct Eight {
-    surfels: [u32; 8],
-    points: [u32; 8],
-    weights: [f32; 8],
+pub struct Eight {
+    /// Surfel of each.
+    pub surfels: [u32; 8],
+    /// Point of each.
+    pub points: [u32; 8],
+    /// Weight of each.
+    pub weights: [f32; 8],
     /// How many of them there are; the others are of surfel and point 0.
-    count: usize,
+    pub count: usize,
 }
 
 /// For each mask of eight lanes, those that are set, in order, a byte each.
@@ -63,7 +66,7 @@ static SET: [u64; 256] = {
 
 impl Line {
     #[inline(always)]
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             surfels: [const { MaybeUninit::uninit() }; ROOM],
             points: [const { MaybeUninit::uninit() }; ROOM],
@@ -76,7 +79,7 @@ impl Line {
 
     /// Calls `each` with all pairs, eight at a time, and empties the line.
     #[inline(always)]
-    fn take(&mut self, mut each: impl FnMut(Eight)) {
+    pub fn take(&mut self, mut each: impl FnMut(Eight)) {
         /// # Safety
         /// The line has eight elements from there on, all of which have been written.
         unsafe fn from<T: Pod>(line: &[MaybeUninit<T>; ROOM], start: usize) -> [T; 8] {
@@ -108,6 +111,11 @@ impl Line {
         self.count = 0;
     }
 
+    /// Pairs in it.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// The surfels.
     #[inline(always)]
     fn surfels(&self) -> impl Iterator<Item = usize> {
@@ -119,7 +127,7 @@ impl Line {
     /// Appends those pairs of eight that a mask names.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-    fn append(&mut self, mask: u32, surfels: __m256i, points: __m256i, weights: __m256) {
+    pub fn append(&mut self, mask: u32, surfels: __m256i, points: __m256i, weights: __m256) {
         let set = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET[mask as usize & 0xff] as i64));
         let room = self.count..self.count + 8;
         let to = (
