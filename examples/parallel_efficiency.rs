@@ -6,7 +6,9 @@
 //!
 //! Two backends take turns, frame by frame, one with a single thread and one with `--threads`. What one thread takes over
 //! what all take together is the efficiency: 1 where no thread ever waits. Threads share the memory and its
-//! caches, so that a stage that waits for memory stays below 1 without the schedule's fault. Nothing is asserted.
+//! caches, so that a stage that waits for memory stays below 1 without the schedule's fault. How long a line of the cache takes
+//! from one thread to another is told before and after, since a virtual machine's cores may share a cache at one time and
+//! none at another. Nothing is asserted.
 //! `docs/performance.md` has figures.
 #[path = "shared/scene.rs"]
 mod scene;
@@ -18,6 +20,8 @@ use gibs_backend_cpu::{CpuBackend, Options};
 use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
 
 /// Time of the frame's groups with one thread and with several
 #[derive(Parser)]
@@ -37,6 +41,26 @@ struct Args {
 
 /// Milliseconds of a frame's steps.
 type Frame = Vec<f64>;
+
+/// Nanoseconds that a line of the cache takes from one thread to another, mean of many ways there and back.
+fn handover() -> f64 {
+    const TURNS: u32 = 100_000;
+    let turn = AtomicU32::new(0);
+    let take_turns = |first: u32| {
+        for mine in (first..2 * TURNS).step_by(2) {
+            while turn.load(Ordering::Acquire) != mine {
+                std::hint::spin_loop();
+            }
+            turn.store(mine + 1, Ordering::Release);
+        }
+    };
+    let began = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(|| take_turns(1));
+        take_turns(0);
+    });
+    began.elapsed().as_secs_f64() * 1e9 / f64::from(2 * TURNS)
+}
 
 fn run(args: &Args) -> Result<(), Box<dyn Error>> {
     let (scene, view) = scene::load(&args.scene, args.view.as_deref())?;
@@ -60,6 +84,7 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
         )?);
     }
     let mut times: [Vec<Frame>; 2] = Default::default();
+    let before = handover();
     for frame in 0..2 * args.frames {
         for (renderer, times) in renderers.iter_mut().zip(&mut times) {
             renderer.executable().measure(true);
@@ -70,6 +95,8 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    let after = handover();
+    println!("A line of the cache goes from thread to thread in {before:.0} ns before and {after:.0} ns after.\n");
     let schedule = renderers[0].executable().schedule().clone();
     let mut rows: Vec<(String, Vec<usize>)> =
         vec![("frame".into(), (0..schedule.steps.len()).collect())];
