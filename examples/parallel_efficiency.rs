@@ -96,7 +96,9 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
         }
     }
     let after = handover();
-    println!("A line of the cache goes from thread to thread in {before:.0} ns before and {after:.0} ns after.\n");
+    println!(
+        "A line of the cache goes from thread to thread in {before:.0} ns before and {after:.0} ns after.\n"
+    );
     let schedule = renderers[0].executable().schedule().clone();
     let mut rows: Vec<(String, Vec<usize>)> =
         vec![("frame".into(), (0..schedule.steps.len()).collect())];

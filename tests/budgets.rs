@@ -2,8 +2,8 @@
 mod common;
 
 use common::{all_backends, mean, settings};
-use gibs::graph::DispatchArgs;
-use gibs::passes::data::{SurfelIrradiance, SurfelPose};
+use gibs::graph::{DispatchArgs, Executable, ResourceId};
+use gibs::passes::data::{Hit, SurfelIrradiance, SurfelPose};
 use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::scene::{Camera, Environment};
 use gibs::{Gi, Renderer, builtin};
@@ -48,6 +48,69 @@ fn rays_sum_to_the_budget() {
             }
         }
     }
+}
+
+/// Counted, binned and traced are as many rays as the budget has: the offsets of the surfels, the counts of the bins, the batches that
+/// are traced, places that are each taken once, and hits.
+#[test]
+fn as_many_rays_are_binned_and_traced_as_were_counted() {
+    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    for backend in all_backends() {
+        for budget in [0_u32, 1, 999, 50_000] {
+            let settings = Settings {
+                sorting: true,
+                ..settings(budget)
+            };
+            let size = [64, 64];
+            let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, size, &settings, 0)
+                .expect("prepares");
+            renderer.frame().expect("renders");
+            let exec = renderer.executable();
+            let schedule = exec.schedule().clone();
+            let id = |key: &str| schedule.resource(key).expect("a resource");
+            let hits = id("persistent_hits");
+            let unwritten = vec![0xff; schedule.resources[hits as usize].bytes as usize];
+            let mut checked = 0;
+            exec.rotate().expect("rotates");
+            for (index, step) in schedule.steps.iter().enumerate() {
+                if step.label == "persistent/ray_trace" {
+                    exec.upload(hits, 0, &unwritten).expect("uploads");
+                }
+                exec.run_step(index).expect("runs");
+                let place = format!("{}, budget {budget}", backend.name());
+                match step.label.as_str() {
+                    "persistent/ray_sorting_order" => {
+                        let offsets: Vec<u32> = read(exec, id("ray_offsets"));
+                        let bins: Vec<u32> = read(exec, id("ray_bin_counts"));
+                        let [old, new] = ["persistent_batch", "spawned_batch"]
+                            .map(|key| read::<DispatchArgs>(exec, id(key))[0].count);
+                        assert_eq!(offsets.last(), Some(&budget), "{place}: counted");
+                        assert_eq!(bins.iter().sum::<u32>(), budget, "{place}: binned");
+                        assert_eq!(old + new, budget, "{place}: to trace");
+                    }
+                    "persistent/ray_sorting_reorder" => {
+                        let mut places: Vec<u32> = read(exec, id("ray_places"));
+                        places.truncate(budget as usize);
+                        places.sort_unstable();
+                        assert!(places.into_iter().eq(0..budget), "{place}: places");
+                    }
+                    "spawn/ray_trace" => {
+                        let found: Vec<Hit> = read(exec, hits);
+                        let traced = found.iter().filter(|hit| !hit.t.is_nan()).count();
+                        assert_eq!(traced, budget as usize, "{place}: traced");
+                        checked += 1;
+                    }
+                    _ => {}
+                }
+            }
+            assert_eq!(checked, 1, "new surfels have a trace of their own");
+        }
+    }
+}
+
+/// What a resource holds.
+fn read<T: bytemuck::Pod>(exec: &mut dyn Executable, resource: ResourceId) -> Vec<T> {
+    bytemuck::pod_collect_to_vec(&exec.read(resource).expect("reads"))
 }
 
 /// With 16 slots for hundreds of births the stack runs empty; the rest is counted, and the picture stays finite.

@@ -1,9 +1,10 @@
-//! The reference against pictures of an independent renderer, where they lie beside the project.
+//! The reference and surfels against pictures of an independent renderer, where they lie beside the project.
 mod common;
 
 use common::cpu;
 use gibs::compare::{CompareOptions, compare, noise_floor};
 use gibs::gltf_import;
+use gibs::passes::frame::Settings;
 use gibs::picture::Picture;
 use gibs::reference::{ReferenceOptions, reference};
 use gibs::view::View;
@@ -82,6 +83,44 @@ fn agrees(scene: &str, samples: u32, views: &[&str]) {
         );
         assert!(bias.abs() <= 0.01, "{scene} {name}: bias {bias}");
     }
+}
+
+/// Surfels after 256 frames with default settings: block error within `block`, bias within 2 %. The truth's noise is left in.
+fn surfels_agree(scene: &str, name: &str, block: f64) {
+    let Some(scenes) = scenes() else {
+        eprintln!("not run: there are no truths beside the project");
+        return;
+    };
+    let folder = scenes.join(scene);
+    let imported = gltf_import::load(&folder.join(format!("{scene}.gltf"))).expect("loads");
+    let view = View::load(folder.join(format!("view-{name}.json"))).expect("loads");
+    let truth = Picture::read_exr(&folder.join(format!("truth-{name}.exr"))).expect("reads");
+    let settings = Settings::default();
+    let loaded = (imported.scene, view);
+    let size = loaded.1.resolution;
+    let ours = common::render(cpu().as_ref(), &loaded, size, 256, &settings, 0);
+    let report = compare(&ours, &truth, &CompareOptions::default()).expect("comparable");
+    let found = report.metrics;
+    println!(
+        "{scene} {name}: block error {:.4}, bias {:.5}",
+        found.block_error, found.bias
+    );
+    assert!(
+        found.block_error <= block,
+        "{scene} {name}: {}",
+        found.block_error
+    );
+    assert!(found.bias.abs() <= 0.02, "{scene} {name}: {}", found.bias);
+}
+
+#[test]
+fn surfels_agree_on_the_cornell_box() {
+    surfels_agree("cornell", "a", 0.04);
+}
+
+#[test]
+fn surfels_agree_on_sponza() {
+    surfels_agree("sponza", "a", 0.07);
 }
 
 #[test]

@@ -74,6 +74,11 @@ fn young_surfels_shrink_where_rays_find_walls() {
             let on_device: SurfelSettings = left(&mut renderer, "settings")[0];
             for (i, (was, is)) in before.iter().zip(&after).enumerate() {
                 if was.radius <= 0.0 || mark::identity(was.mark) != mark::identity(is.mark) {
+                    // What is new has learned in this frame what hides, but has not looked at that yet.
+                    assert!(
+                        !mark::is_open(is.mark) || is.radius <= 0.0,
+                        "{name}, surfel {i}"
+                    );
                     continue;
                 }
                 let crowded = depth::is_crowded(&depths[i]);

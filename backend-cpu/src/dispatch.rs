@@ -18,19 +18,19 @@ pub fn in_kernel() -> bool {
     IN_KERNEL.get()
 }
 
-/// Marks the thread until it is dropped, also by a panic.
-struct InKernel;
+/// Marks the thread until it is dropped, also by a panic. A kernel that waits for threads of the pool may run another one
+/// meanwhile, so it holds what was before.
+struct InKernel(bool);
 
 impl InKernel {
     fn enter() -> Self {
-        IN_KERNEL.set(true);
-        Self
+        Self(IN_KERNEL.replace(true))
     }
 }
 
 impl Drop for InKernel {
     fn drop(&mut self) {
-        IN_KERNEL.set(false);
+        IN_KERNEL.set(self.0);
     }
 }
 

@@ -85,7 +85,8 @@ fn two_invocations_that_write_one_element_are_found() {
 fn what_is_out_of_bounds_is_an_error() {
     const LEN: u64 = 10 * LANES;
     for checked in [true, false] {
-        for threads in [1, 2] {
+        // Also on more threads than there are workgroups, most likely more than processors.
+        for threads in [1, 2, 32] {
             let mut g = Graph::new("test");
             let source = g.input("source", LEN);
             let target = g.transient("target", LEN);

@@ -388,4 +388,6 @@ fn threads_do_not_show_in_the_result() {
     assert!(one.1.iter().filter(|&&count| count > 0).count() > 100);
     assert_eq!(one, run(2, false));
     assert_eq!(one, run(2, true));
+    assert_eq!(one, run(7, false));
+    assert_eq!(one, run(64, false));
 }

@@ -94,7 +94,8 @@ fn main(
     births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, clearance);
     let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
     let identity = hash_hash3(tile | at_hit, frame.number, frame.seed);
-    poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, true));
+    // Nothing hides yet, but in this frame the depth function learns what does.
+    poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, false));
     irradiance[slot] = SurfelIrradiance();
     open_depth_function(slot);
 }

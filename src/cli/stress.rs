@@ -168,13 +168,19 @@ fn table(run: &Run, args: &Args) -> String {
         args.scene.scene, run.backend, run.device, run.budget
     );
     let limit = args.converged;
+    // Its own last frame tells that a picture no longer changes, not that it is right.
+    let word = if args.truth.is_some() {
+        "converged"
+    } else {
+        "settled"
+    };
     text += &match &run.converged {
         Some(at) => format!(
-            "converged after {} frames, {:.2} s: from there on the block error against {} stays below {limit} %\n",
+            "{word} after {} frames, {:.2} s: from there on the block error against {} stays below {limit} %\n",
             at.frames, at.seconds, run.against
         ),
         None => format!(
-            "not converged after {} frames: the block error against {} does not stay below {limit} %\n",
+            "not {word} after {} frames: the block error against {} does not stay below {limit} %\n",
             rows.len(),
             run.against
         ),

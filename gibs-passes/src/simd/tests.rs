@@ -1,4 +1,5 @@
 //! Wide lookups give the scalar ones' bits.
+use super::lookup::FULL;
 use super::{Avx2, Lookup};
 use crate::data::{Gathered, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
 use crate::shared::bounds;
@@ -69,9 +70,11 @@ fn the_wide_lookup_is_the_scalar_one() {
         bounds::pack(pose.position - grid.centre, pose.radius, steps)
     };
     let wide = Lookup::new();
-    let (mut covered, mut averaged) = (0, 0);
+    let (mut covered, mut averaged, mut long) = (0, 0, 0);
     for case in 0..3000u32 {
-        let ids: Vec<u32> = (0..case % 41).map(|k| hash3(case, k, 1) % 200).collect();
+        // Once in a while more than the wide lookups line up.
+        let length = if case % 50 == 0 { 20_000 } else { case % 41 };
+        let ids: Vec<u32> = (0..length).map(|k| hash3(case, k, 1) % 200).collect();
         let entries: Vec<u32> = ids
             .iter()
             .copied()
@@ -80,7 +83,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         let mut cells = vec![UVec2::ZERO; layout.cells() as usize];
         cells[cell as usize] = UVec2::new(0, ids.len() as u32);
         let settings = SurfelSettings {
-            lookup: if case % 7 == 0 { 5 } else { 128 },
+            lookup: if case % 7 == 0 { 5 } else { 20_000 },
             ..SurfelSettings::default()
         };
         let surfels = Surfels {
@@ -116,6 +119,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
         wide.neighbours(own, own_list, reach, &surfels, wanted, each);
         assert_eq!(around, same_around, "case {case}");
+        long += u32::from(around.len() > 2 * FULL);
         let enough = [f32::MAX, lookup::ENOUGH_AT_HITS, 1.0][case as usize % 3];
         // As many points as are looked up at a time, some of which are missing.
         let all: [SurfacePoint; AT_A_TIME] = std::array::from_fn(|i| SurfacePoint {
@@ -148,6 +152,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         let is_averaged = |g: &&Gathered| g.weight < 1.0 && g.average.x > 0.0;
         averaged += gathered.iter().filter(is_averaged).count();
     }
+    assert!(long > 10, "{long}");
     assert!(
         covered > 400 && averaged > 3000,
         "{covered} covered, {averaged} averaged"

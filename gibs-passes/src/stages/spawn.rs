@@ -99,16 +99,15 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 clearance,
             },
         );
+        let identity = hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed);
         p.poses.set(
             slot,
             SurfelPose {
                 position: point.position,
                 radius: radius_at(point.position, clearance, p.camera, p.grid, p.settings),
                 normal,
-                mark: mark::of(
-                    hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed),
-                    true,
-                ),
+                // Nothing hides yet, but in this frame the depth function learns what does.
+                mark: mark::of(identity, false),
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());

@@ -17,6 +17,8 @@ use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
 use batch::Batch;
 use glam::Vec3;
 use near::{coverage, neighbours};
+#[cfg(test)]
+pub use pairs::FULL;
 use pairs::for_pairs;
 use poses::Poses;
 
