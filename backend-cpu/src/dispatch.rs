@@ -18,6 +18,9 @@ pub fn in_kernel() -> bool {
     IN_KERNEL.get()
 }
 
+/// Workgroups that a thread takes at once, at most.
+const MOST_GROUPS_A_PIECE: u32 = 8;
+
 /// Marks the thread until it is dropped, also by a panic. A kernel that waits for threads of the pool may run another one
 /// meanwhile, so it holds what was before.
 struct InKernel(bool);
@@ -117,8 +120,9 @@ impl CpuExecutable {
             kernel(&views, Workgroup { id, count, size });
         };
         let threads = self.shared.pool.current_num_threads();
-        // Enough pieces to balance, few enough that a piece is worth a thread's while.
-        let piece = (total / (threads as u32).saturating_mul(128)).max(1);
+        // Enough pieces to balance, few enough that a piece is worth a thread's while. All that costs time may lie in a few places, as
+        // live surfels do in a buffer with room for many more.
+        let piece = (total / (threads as u32).saturating_mul(128)).clamp(1, MOST_GROUPS_A_PIECE);
         let pieces = total.div_ceil(piece);
         self.shares.deal(pieces);
         let shares = &self.shares;
