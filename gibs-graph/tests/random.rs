@@ -199,7 +199,7 @@ fn transients_share_memory_in_turn() {
     assert!(!oracle::unsettled(&without).is_empty());
 }
 
-/// A large transient shares with one of about its size, smaller or larger, and with no other; small ones with any.
+/// A large transient shares with one of about its size, smaller or larger, and with no other; small and very large ones with any.
 #[test]
 fn large_transients_share_with_their_like() {
     let shares = |first: u64, third: u64| {
@@ -225,6 +225,8 @@ fn large_transients_share_with_their_like() {
     );
     assert!(!shares(large, large + large / 4 + 1) && !shares(2 * large, large));
     assert!(!shares(100, large) && shares(large, 100) && shares(100, 1000));
+    // What is larger than caches takes what there is.
+    assert!(shares(large, 8 * large) && shares(16 * large, 8 * large));
 }
 
 #[test]

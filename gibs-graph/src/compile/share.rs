@@ -11,7 +11,7 @@ type Lifetime = (usize, usize);
 /// barrier that is there anyway, so that sharing adds none and stages that are independent stay so.
 ///
 /// Greedy over the steps: a transient takes, of the memory that is free when it is first touched, the smallest that is
-/// large enough, or else the largest, which then grows. A large one takes only what is of about its size: a processor's threads
+/// large enough, or else the largest, which then grows. One that a cache may hold takes only what is of about its size: a processor's threads
 /// each go over the same part of every buffer, and of memory that was cut into other parts before, half the lines would be
 /// in another core's cache.
 pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool]) {
@@ -42,7 +42,8 @@ pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool
     for ((first, last), i) in sharing {
         let bytes = resources[i].bytes;
         let free = homes.iter_mut().filter(|(home, until)| {
-            *until < fences[first] && (bytes < LARGE || is_alike(resources[*home].room, bytes))
+            let fits = !CACHED.contains(&bytes) || is_alike(resources[*home].room, bytes);
+            *until < fences[first] && fits
         });
         let best = free.min_by_key(|(home, _)| {
             let room = resources[*home].room;
@@ -64,8 +65,9 @@ pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool
     }
 }
 
-/// From how many bytes on a transient does not take what is of another size.
-const LARGE: u64 = 64 << 10;
+/// Sizes of transients, bytes, that do not take what is of another size: smaller ones have few lines, and of larger ones no cache
+/// has kept any.
+const CACHED: std::ops::RangeInclusive<u64> = 64 << 10..=16 << 20;
 
 /// Whether sizes differ by no more than a quarter.
 fn is_alike(a: u64, b: u64) -> bool {
