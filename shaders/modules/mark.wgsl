@@ -13,7 +13,7 @@ fn mark_is_open(mark: u32) -> bool {
     return (mark & MARK_OPEN) != 0u;
 }
 
-/// Of an identity, whose highest bit does not count.
+/// The mark of an identity, whose highest bit does not count.
 fn mark_of(identity: u32, open: bool) -> u32 {
     return select(0u, MARK_OPEN, open) | (identity & ~MARK_OPEN);
 }

@@ -1,9 +1,34 @@
 //! An origin that moves takes the surfels with it.
 use crate::common::{all_backends, mean};
 use crate::harness::{box_with_surfels, state, states};
+use gibs::graph::Executable;
 use gibs::passes::data::{SurfelBirth, SurfelPose};
 use gibs::passes::shared::mark;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+
+/// How many surfels live on in their slots; each of them is where it was in the world.
+fn followed(
+    exec: &mut dyn Executable,
+    poses: &[SurfelPose],
+    births: &[SurfelBirth],
+    shift: Vec3,
+) -> u32 {
+    let moved: Vec<SurfelPose> = state(exec, "surfel_poses");
+    let after: Vec<SurfelBirth> = state(exec, "surfel_births");
+    let mut followed = 0;
+    for slot in 0..poses.len() {
+        let same = mark::identity(moved[slot].mark) == mark::identity(poses[slot].mark);
+        if !same || poses[slot].radius <= 0.0 {
+            continue;
+        }
+        assert_eq!(births[slot].position, after[slot].position);
+        let off = moved[slot].position + shift - poses[slot].position;
+        // A coordinate of up to 128 m is rounded to 2^-18 m twice.
+        assert!(off.abs().max_element() < 1e-5, "{off} of slot {slot}");
+        followed += 1;
+    }
+    followed
+}
 
 /// Surfels are moved with the origin: their births, which count from their nodes, stay; their poses move by the shift.
 #[test]
@@ -20,21 +45,7 @@ fn surfels_follow_the_origin() {
         assert!(shift.length() > 90.0, "{shift}");
         renderer.set_camera(view.camera);
         renderer.frame().expect("a frame");
-        let moved: Vec<SurfelPose> = state(renderer.executable(), "surfel_poses");
-        let after: Vec<SurfelBirth> = state(renderer.executable(), "surfel_births");
-        let mut followed = 0;
-        for slot in 0..poses.len() {
-            let same = mark::identity(moved[slot].mark) == mark::identity(poses[slot].mark)
-                && poses[slot].radius > 0.0;
-            if !same {
-                continue;
-            }
-            assert_eq!(births[slot].position, after[slot].position);
-            let off = moved[slot].position + shift - poses[slot].position;
-            // A coordinate of up to 128 m is rounded to 2^-18 m twice.
-            assert!(off.abs().max_element() < 1e-5, "{off} of slot {slot}");
-            followed += 1;
-        }
+        let followed = followed(renderer.executable(), &poses, &births, shift);
         assert!(followed > 50, "{followed} on {}", backend.name());
     }
 }
@@ -61,21 +72,7 @@ fn an_origin_that_shifts_keeps_every_surfel_and_its_light() {
         renderer.frame().expect("a frame");
         stays.frame().expect("a frame");
 
-        let moved: Vec<SurfelPose> = state(renderer.executable(), "surfel_poses");
-        let after: Vec<SurfelBirth> = state(renderer.executable(), "surfel_births");
-        let mut followed = 0;
-        for slot in 0..poses.len() {
-            if mark::identity(moved[slot].mark) != mark::identity(poses[slot].mark)
-                || poses[slot].radius <= 0.0
-            {
-                continue;
-            }
-            assert_eq!(births[slot].position, after[slot].position);
-            let off = moved[slot].position + shift - poses[slot].position;
-            // A coordinate of up to 128 m is rounded to 2^-18 m twice.
-            assert!(off.abs().max_element() < 1e-5, "{off} of slot {slot}");
-            followed += 1;
-        }
+        let followed = followed(renderer.executable(), &poses, &births, shift);
         assert!(followed > 50, "{followed} on {}", backend.name());
 
         let (moved, stayed) = (

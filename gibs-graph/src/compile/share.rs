@@ -11,9 +11,9 @@ type Lifetime = (usize, usize);
 /// barrier that is there anyway, so that sharing adds none and stages that are independent stay so.
 ///
 /// Greedy over the steps: a transient takes, of the memory that is free when it is first touched, the smallest that is
-/// large enough, or else the largest, which then grows. One that a cache may hold takes only what is of about its size: a processor's threads
-/// each go over the same part of every buffer, and of memory that was cut into other parts before, half the lines would be
-/// in another core's cache.
+/// large enough, or else the largest, which then grows. One that a cache may hold takes only what is of about its size: a
+/// processor's threads each go over the same part of every buffer, and of memory that was cut into other parts before, half
+/// the lines would be in another core's cache.
 pub(super) fn share(steps: &[Step], resources: &mut [Resource], outlives: &[bool]) {
     let lifetimes = lifetimes(steps, resources.len());
     let mut sharing: Vec<(Lifetime, usize)> = resources

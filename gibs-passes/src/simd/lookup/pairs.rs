@@ -159,7 +159,7 @@ impl Line {
         self.hiding_count += (mask & 0xff).count_ones() as usize;
     }
 
-    /// Places whose weights still lack the depth functions, and the line's surfels.
+    /// Places whose weights still lack the depth functions.
     #[inline(always)]
     fn hiding(&self) -> &[u32] {
         // SAFETY: `note_hiding` has written what is below the count.
