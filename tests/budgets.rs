@@ -7,7 +7,7 @@ use gibs::passes::data::{Hit, SurfelIrradiance, SurfelPose};
 use gibs::passes::frame::{Screen, Settings};
 use gibs::passes::scene::{Camera, Environment};
 use gibs::{Gi, Renderer, builtin};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec2, Vec3};
 
 fn state<T: bytemuck::Pod>(renderer: &mut Renderer, key: &str) -> Vec<T> {
     let exec = renderer.executable();
@@ -50,7 +50,7 @@ fn rays_sum_to_the_budget() {
     }
 }
 
-/// Counted, binned and traced are as many rays as the budget has: the offsets of the surfels, the counts of the bins, the batches that
+/// Counted, binned and traced are as many rays as the budget has: those of the surfels, the counts of the bins, the batches that
 /// are traced, places that are each taken once, and hits.
 #[test]
 fn as_many_rays_are_binned_and_traced_as_were_counted() {
@@ -79,16 +79,22 @@ fn as_many_rays_are_binned_and_traced_as_were_counted() {
                 exec.run_step(index).expect("runs");
                 let place = format!("{}, budget {budget}", backend.name());
                 match step.label.as_str() {
-                    "persistent/ray_sorting_order" => {
-                        let offsets: Vec<u32> = read(exec, id("ray_offsets"));
-                        let bins: Vec<u32> = read(exec, id("ray_bin_counts"));
+                    "persistent/ray_sorting_order" | "spawn/ray_sorting_order" => {
+                        let spans: Vec<UVec2> = read(exec, id("ray_spans"));
+                        let counted = spans.iter().map(|span| span.y).sum::<u32>();
                         let [old, new] = ["persistent_batch", "spawned_batch"]
-                            .map(|key| read::<DispatchArgs>(exec, id(key))[0].count);
-                        assert_eq!(offsets.last(), Some(&budget), "{place}: counted");
-                        assert_eq!(bins.iter().sum::<u32>(), budget, "{place}: binned");
-                        assert_eq!(old + new, budget, "{place}: to trace");
+                            .map(|key| read::<DispatchArgs>(exec, id(key))[0]);
+                        assert_eq!(counted, budget, "{place}: counted");
+                        assert_eq!(old.count + new.count, budget, "{place}: to trace");
+                        assert_eq!((old.first, new.first), (0, old.count), "{place}");
+                        let (name, count) = match step.label.starts_with("spawn") {
+                            true => ("spawn_ray_bin_counts", new.count),
+                            false => ("persistent_ray_bin_counts", old.count),
+                        };
+                        let bins: Vec<u32> = read(exec, id(name));
+                        assert_eq!(bins.iter().sum::<u32>(), count, "{place}: binned");
                     }
-                    "persistent/ray_sorting_reorder" => {
+                    "spawn/ray_sorting_reorder" => {
                         let mut places: Vec<u32> = read(exec, id("ray_places"));
                         places.truncate(budget as usize);
                         places.sort_unstable();

@@ -6,8 +6,12 @@ use std::collections::BTreeSet;
 
 /// Labels of the steps, and keys of the resources, of the Cornell box's frame.
 fn parts(settings: &Settings) -> BTreeSet<String> {
+    parts_of(settings, Screen::Traced)
+}
+
+fn parts_of(settings: &Settings, screen: Screen) -> BTreeSet<String> {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
-    let gi = Gi::new(&scene, &view, [64, 48], settings, Screen::Traced).expect("compiles");
+    let gi = Gi::new(&scene, &view, [64, 48], settings, screen).expect("compiles");
     let schedule = gi.schedule();
     let labels = schedule.steps.iter().map(|step| step.label.clone());
     let keys = schedule.resources.iter().map(|r| r.key.clone());
@@ -22,7 +26,7 @@ fn what_is_off_has_no_stages() {
             "depth" => &["update_depth", "surfel_depths"],
             "guiding" => &["update_guide", "surfel_guides"],
             "sharing" => &["filtering/spatial", "neighbours"],
-            "sorting" => &["ray_sorting", "sorted_rays", "spawn/ray_trace"],
+            "sorting" => &["persistent/ray_sorting", "spawn/ray_sorting", "sorted_rays"],
             "emitters" => &["scene_emitters"],
             "continuation" => &["continue_paths", "path_rays", "rays_1"],
             "half-resolution" => &["select_pixels", "pack_points", "apply/upsample"],
@@ -45,4 +49,38 @@ fn what_is_off_has_no_stages() {
             assert_ne!(on.device(size), off.device(size), "{}", element.name);
         }
     }
+}
+
+/// The parts of the talk's frame ("Frame Overview"), but for those of transparency.
+#[test]
+fn the_parts_of_the_talks_frame_are_there_by_name() {
+    let settings = Settings {
+        sorting: true,
+        ..Settings::default()
+    };
+    let there = parts_of(&settings, Screen::Imported);
+    for part in [
+        "persistent/positional_update",
+        "persistent/recycle",
+        "persistent/grid_order",
+        "persistent/ray_sorting_order",
+        "persistent/ray_trace",
+        "spawn/geometric_normals",
+        "spawn/gap_fill",
+        "spawn/ray_sorting_order",
+        "spawn/ray_trace",
+        "spawn/write_to_persistent_storage",
+        "filtering/spatial",
+        "filtering/temporal",
+        "spawn/inject_insert",
+        "apply/lighting_apply",
+        "apply/upsample",
+    ] {
+        assert!(there.contains(part), "{part}");
+    }
+    // Where rays are not sorted, those of new surfels are traced on their own as well; where rays find the surfaces, these have
+    // their normals.
+    let there = parts(&Settings::default());
+    assert!(there.contains("spawn/ray_trace"));
+    assert!(!there.contains("spawn/geometric_normals"));
 }

@@ -7,13 +7,13 @@ import package::types::GridShape;
 const SORTING_SPATIAL_BITS: u32 = 12u;
 /// Bits of a bin that tell where it goes.
 const SORTING_DIRECTION_BITS: u32 = 4u;
-/// Bins of the rays of surfels that were there before, and as many again for those of new ones.
+/// Number of bins.
 const SORTING_BINS: u32 = 65536u;
 
-/// The part of a bin that all rays of a surfel share: its cell, and whether the surfel is new.
-fn sorting_place(position: vec3<f32>, grid: GridShape, is_new: bool) -> u32 {
+/// The part of a bin that all rays of a surfel share: its cell.
+fn sorting_place(position: vec3<f32>, grid: GridShape) -> u32 {
     let cell = grid_cell(position, grid) & ((1u << SORTING_SPATIAL_BITS) - 1u);
-    return (cell << SORTING_DIRECTION_BITS) + select(0u, SORTING_BINS, is_new);
+    return cell << SORTING_DIRECTION_BITS;
 }
 
 /// The bin of a ray from a place: directions are told apart by 4x4 parts of the octahedral map.

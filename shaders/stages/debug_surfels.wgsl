@@ -13,7 +13,7 @@ import package::vector::vector_length;
 @group(0) @binding(3) var<storage, read> poses: array<SurfelPose>;
 @if(births) @group(0) @binding(4) var<storage, read> births: array<SurfelBirth>;
 @if(irradiance) @group(0) @binding(5) var<storage, read> irradiance: array<SurfelIrradiance>;
-@if(offsets) @group(0) @binding(6) var<storage, read> offsets: array<u32>;
+@if(spans) @group(0) @binding(6) var<storage, read> spans: array<vec2<u32>>;
 @if(unseen) @group(0) @binding(7) var<storage, read> unseen: array<u32>;
 @group(0) @binding(8) var<storage, read_write> values: array<f32>;
 
@@ -54,9 +54,9 @@ fn deviation(i: u32) -> f32 {
     return 0.0;
 }
 
-@if(offsets)
+@if(spans)
 fn rays_of(i: u32) -> u32 {
-    return offsets[i + 1u] - offsets[i];
+    return spans[i].y;
 }
 @else
 fn rays_of(i: u32) -> u32 {

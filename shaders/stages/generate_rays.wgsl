@@ -19,7 +19,7 @@ import package::types::{
 @group(0) @binding(2) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(3) var<storage, read> births: array<SurfelBirth>;
 @group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(5) var<storage, read> offsets: array<u32>;
+@group(0) @binding(5) var<storage, read> spans: array<vec2<u32>>;
 @if(emitters) @group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
 @if(guides) @group(0) @binding(7) var<storage, read> guides: array<SurfelGuide>;
 @group(0) @binding(8) var<storage, read_write> rays: array<Ray>;
@@ -105,15 +105,15 @@ fn main(
     if i >= arrayLength(&poses) {
         return;
     }
-    let first = offsets[i];
-    let last = offsets[i + 1u];
+    let span = spans[i];
     let pose = poses[i];
     let surfel = hash_hash2(mark_identity(pose.mark), frame.seed);
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
     let guide = find_guide(i, mark_identity(pose.mark));
-    for (var ray = first; ray < last; ray++) {
-        let index = irradiance[i].drawn + (ray - first);
-        let seed = hash_hash3(surfel, frame.number, ray - first);
+    for (var k = 0u; k < span.y; k++) {
+        let ray = span.x + k;
+        let index = irradiance[i].drawn + k;
+        let seed = hash_hash3(surfel, frame.number, k);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
         let origin = sampling_start(pose.position, pose.normal, births[i].offset, drawn.direction);

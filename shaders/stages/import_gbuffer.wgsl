@@ -1,15 +1,8 @@
 // An engine's G-buffer as surface points. One invocation per pixel.
-import package::gbuffer::{
-    gbuffer_normal,
-    gbuffer_offset,
-    gbuffer_position,
-    gbuffer_sides,
-    gbuffer_view_depth
-};
+import package::gbuffer::{gbuffer_facing, gbuffer_normal, gbuffer_offset, gbuffer_position};
 import package::octahedral::octahedral_pack;
 import package::surface::{surface_miss, surface_pack_albedo};
 import package::types::{Camera, HostGbuffer, SurfacePoint};
-import package::vector::vector_cross;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> host: HostGbuffer;
@@ -19,39 +12,6 @@ import package::vector::vector_cross;
 @group(0) @binding(5) var ids: texture_2d<u32>;
 @group(0) @binding(6) var<storage, read_write> points: array<SurfacePoint>;
 
-/// A point some texels away along one axis, and how much deeper it is.
-struct Neighbour {
-    position: vec3<f32>,
-    deeper: f32,
-    there: bool,
-}
-
-fn neighbour(at: vec2<u32>, z: f32, dx: i32, dy: i32) -> Neighbour {
-    let other = vec2<i32>(at) + vec2<i32>(dx, dy);
-    if any(other < vec2<i32>(0)) || any(other >= vec2<i32>(i32(camera.width), i32(camera.height))) {
-        return Neighbour(vec3<f32>(), 0.0, false);
-    }
-    let place = vec2<u32>(other);
-    let found = textureLoad(depth, place, 0).x;
-    if found == host.depth_clear {
-        return Neighbour(vec3<f32>(), 0.0, false);
-    }
-    let here = gbuffer_view_depth(z, host);
-    let behind = gbuffer_view_depth(found, host);
-    return Neighbour(gbuffer_position(place, found, camera, host), abs(behind - here), true);
-}
-
-/// The way to the nearer of two neighbours, along the positive axis.
-fn way(position: vec3<f32>, before: Neighbour, after: Neighbour) -> vec3<f32> {
-    if before.there && (!after.there || before.deeper < after.deeper) {
-        return position - before.position;
-    }
-    if after.there {
-        return after.position - position;
-    }
-    return vec3<f32>();
-}
-
 fn point(at: vec2<u32>) -> SurfacePoint {
     let z = textureLoad(depth, at, 0).x;
     let id = textureLoad(ids, at, 0).x;
@@ -60,15 +20,13 @@ fn point(at: vec2<u32>) -> SurfacePoint {
     }
     let position = gbuffer_position(at, z, camera, host);
     let given = gbuffer_normal(textureLoad(normal, at, 0), host);
-    let across = way(position, neighbour(at, z, -1, 0), neighbour(at, z, 1, 0));
-    let down = way(position, neighbour(at, z, 0, -1), neighbour(at, z, 0, 1));
-    let sides = gbuffer_sides(vector_cross(down, across), given, position - camera.eye);
+    let packed_normal = octahedral_pack(gbuffer_facing(given, position - camera.eye));
     let packed = surface_pack_albedo(textureLoad(albedo, at, 0).xyz, 0u);
     return SurfacePoint(
         position,
         gbuffer_offset(position, z, camera, host),
-        octahedral_pack(sides.geometric),
-        octahedral_pack(sides.shading),
+        packed_normal,
+        packed_normal,
         packed.x,
         packed.y,
         vec3<f32>(),

@@ -11,7 +11,7 @@ import package::types::{
 @group(0) @binding(1) var<uniform> grid: GridShape;
 @group(0) @binding(2) var<uniform> settings: SurfelSettings;
 @group(0) @binding(3) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>;
+@group(0) @binding(4) var<storage, read> spans: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> radiance: array<vec4<f32>>;
 @group(0) @binding(6) var<storage, read> forget: array<vec2<f32>>;
 @group(0) @binding(7) var<storage, read_write> irradiance: array<SurfelIrradiance>;
@@ -44,15 +44,14 @@ fn main(
         report_clamped(i, taken);
         return;
     }
-    let first = offsets[i];
-    let last = offsets[i + 1u];
+    let span = spans[i];
     var state = irradiance[i];
-    if first < last {
+    if span.y > 0u {
         var sum = vec3<f32>(0.0);
-        for (var ray = first; ray < last; ray++) {
+        for (var ray = span.x; ray < span.x + span.y; ray++) {
             sum += radiance[ray].xyz;
         }
-        let count = last - first;
+        let count = span.y;
         let mean_of_rays = sum * (PI / f32(count));
         let change = forget[grid_cell(pose.position, grid)];
         state = estimator_forget(state, change.x, change.y, frame.number);

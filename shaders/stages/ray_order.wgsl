@@ -1,15 +1,10 @@
 // The rays of each bin, in their own order, so that threads do not decide.
-import package::batch::batch_args;
 import package::invocation::invocation_index;
 import package::sorting::SORTING_BINS;
-import package::types::DispatchArgs;
 
-@group(0) @binding(0) var<uniform> batch: DispatchArgs;
-@group(0) @binding(1) var<storage, read> starts: array<u32>;
-@group(0) @binding(2) var<storage, read> counts: array<u32>;
-@group(0) @binding(3) var<storage, read_write> order: array<u32>;
-@group(0) @binding(4) var<storage, read_write> persistent: array<DispatchArgs>;
-@group(0) @binding(5) var<storage, read_write> spawned: array<DispatchArgs>;
+@group(0) @binding(0) var<storage, read> starts: array<u32>;
+@group(0) @binding(1) var<storage, read> counts: array<u32>;
+@group(0) @binding(2) var<storage, read_write> order: array<u32>;
 
 /// Shell sort: in place, and fast enough for bins of tens to hundreds.
 fn sort(start: u32, count: u32) {
@@ -37,15 +32,8 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let bin = invocation_index(group, groups, 64u, lane);
-    if bin >= 2u * SORTING_BINS {
+    if bin >= SORTING_BINS {
         return;
     }
     sort(starts[bin], counts[bin]);
-    if bin == SORTING_BINS {
-        let first = starts[bin];
-        persistent[0] = batch_args(first);
-        var args = batch_args(batch.count - first);
-        args.first = first;
-        spawned[0] = args;
-    }
 }

@@ -18,6 +18,7 @@ fn main(
     if i >= batch.count {
         return;
     }
-    let bin = bins[i];
-    order[starts[bin] + atomicAdd(&cursors[bin], 1u)] = i;
+    let ray = batch.first + i;
+    let bin = bins[ray];
+    order[starts[bin] + atomicAdd(&cursors[bin], 1u)] = ray;
 }

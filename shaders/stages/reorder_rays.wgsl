@@ -21,7 +21,8 @@ fn main(
         return;
     }
     let ray = order[i];
-    sorted_rays[i] = rays[ray];
-    sorted_paths[i] = paths[ray];
-    places[ray] = i;
+    let place = batch.first + i;
+    sorted_rays[place] = rays[ray];
+    sorted_paths[place] = paths[ray];
+    places[ray] = place;
 }

@@ -10,7 +10,7 @@ import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, Sur
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
 @group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(2) var<storage, read> irradiance: array<SurfelIrradiance>;
-@group(0) @binding(3) var<storage, read> offsets: array<u32>;
+@group(0) @binding(3) var<storage, read> spans: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> rays: array<Ray>;
 @group(0) @binding(5) var<storage, read> hits: array<Hit>;
 @if(places) @group(0) @binding(6) var<storage, read> places: array<u32>;
@@ -70,10 +70,10 @@ fn main(
     if i >= arrayLength(&poses) {
         return;
     }
-    let first = offsets[i];
+    let span = spans[i];
     let pose = poses[i];
     let before = irradiance[i].drawn;
-    for (var ray = first; ray < offsets[i + 1u]; ray++) {
-        update_depth(i, ray, pose, before + (ray - first));
+    for (var k = 0u; k < span.y; k++) {
+        update_depth(i, span.x + k, pose, before + k);
     }
 }

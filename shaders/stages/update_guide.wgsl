@@ -16,7 +16,7 @@ import package::types::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
 @group(0) @binding(2) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read> entries: array<u32>;
 @group(0) @binding(4) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(5) var<storage, read> offsets: array<u32>;
+@group(0) @binding(5) var<storage, read> spans: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> rays: array<Ray>;
 @group(0) @binding(7) var<storage, read> paths: array<Path>;
 @group(0) @binding(8) var<storage, read> radiance: array<vec4<f32>>;
@@ -74,8 +74,8 @@ fn main(
     var sum = 0.0;
     for (var k = 0u; k < most && taught < NEIGHBOURS; k++) {
         let other = entries[cell.x + (hash_pcg(seed) % cell.y + k) % cell.y];
-        let first = offsets[other];
-        let last = min(offsets[other + 1u], first + RAYS_OF_NEIGHBOUR);
+        let first = spans[other].x;
+        let last = first + min(spans[other].y, RAYS_OF_NEIGHBOUR);
         let n = poses[other].normal;
         let alike = n.x * pose.normal.x + n.y * pose.normal.y + n.z * pose.normal.z > ALIKE;
         if other == i || first == last || !alike {

@@ -107,7 +107,7 @@ fn a_flipped_bit_fails() {
         let middle = bytes.len() / 8 * 4;
         bytes[middle] ^= 1;
     };
-    fails_at("AllocateRays", "offsets", How::Damage(last_byte));
+    fails_at("AllocateRays", "spans", How::Damage(last_byte));
     let mantissa: Damage = |bytes| {
         let lit = bytes.chunks_exact(4).position(|word| word[3] == 0x3f);
         bytes[4 * lit.expect("some light is near 1") + 2] ^= 0x40;

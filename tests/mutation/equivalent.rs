@@ -91,7 +91,7 @@ const EQUIVALENT: [Equivalent; 34] = [
         kernels: &[
             "debug_surfels",
             "debug_surfels with irradiance",
-            "debug_surfels with irradiance, offsets",
+            "debug_surfels with irradiance, spans",
             "debug_surfels with unseen",
         ],
         what: "value: ",
@@ -102,7 +102,7 @@ const EQUIVALENT: [Equivalent; 34] = [
         kernels: &[
             "debug_surfels with births",
             "debug_surfels with irradiance",
-            "debug_surfels with irradiance, offsets",
+            "debug_surfels with irradiance, spans",
             "debug_surfels with unseen",
         ],
         what: "value: ",
@@ -218,7 +218,7 @@ const EQUIVALENT: [Equivalent; 34] = [
         reason: "another thread writes the same",
     },
     Equivalent {
-        kernels: &["debug_surfels with irradiance, offsets"],
+        kernels: &["debug_surfels with irradiance, spans"],
         what: "constant LEAST_DISTANCE",
         line: "",
         reason: "the view of radii binds none of these",

@@ -51,7 +51,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
     let settings = g.input("settings", 1);
     let poses = g.input("poses", probes);
     let births = g.input("births", probes);
-    let offsets = g.input("offsets", probes + 1);
+    let spans = g.input("spans", probes);
     let args = g.input("batch", 1);
     let points = g.input("points", most);
     let environment = g.input("environment", sky.texels.len() as u64);
@@ -70,7 +70,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             poses: &poses,
             births: &births,
             irradiance: &irradiance,
-            offsets: &offsets,
+            spans: &spans,
             emitters: None,
             guides: guides.as_ref(),
             rays,
@@ -109,7 +109,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
                 cells: &cells,
                 entries: &entries,
                 poses: &poses,
-                offsets: &offsets,
+                spans: &spans,
                 rays: &generated.rays,
                 paths: &shaded.paths,
                 radiance: &shaded.radiance,
@@ -129,7 +129,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             grid: &shape,
             settings: &settings,
             poses: &poses,
-            offsets: &offsets,
+            spans: &spans,
             radiance: &shaded.radiance,
             forget: &forget,
             irradiance,
@@ -178,7 +178,9 @@ pub fn upload_probes(
         let cell = grid::cell(position(place), &shape) as usize;
         cells[cell] = UVec2::new(place * frame.per_place, frame.per_place);
     }
-    let offsets: Vec<u32> = (0..=probes).map(|i| i * frame.rays).collect();
+    let spans: Vec<UVec2> = (0..probes)
+        .map(|i| UVec2::new(i * frame.rays, frame.rays))
+        .collect();
     let settings = SurfelSettings {
         capacity: probes,
         ray_budget: probes * frame.rays,
@@ -194,7 +196,7 @@ pub fn upload_probes(
     upload(exec, "entries", &(0..probes).collect::<Vec<u32>>())?;
     upload(exec, "poses", &poses)?;
     upload(exec, "births", &vec![SurfelBirth::default(); poses.len()])?;
-    upload(exec, "offsets", &offsets)?;
+    upload(exec, "spans", &spans)?;
     upload(exec, "settings", &[settings])?;
     upload(exec, "points", &vec![missed; most as usize])?;
     upload(exec, "environment", &sky.texels)?;

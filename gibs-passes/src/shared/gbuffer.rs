@@ -61,14 +61,19 @@ pub fn normal(texel: Vec4, host: &HostGbuffer) -> Vec3 {
     }
 }
 
+/// A normal on the side that is seen; `seen` is the way from the eye.
+#[inline]
+pub fn facing(n: Vec3, seen: Vec3) -> Vec3 {
+    if n.dot(seen) > 0.0 { -n } else { n }
+}
+
 /// Geometric and shading normal: `flat` is the normal of the depths (of any length, zero where there is none), `seen`
 /// the way from the eye. Both are on the side that is seen.
 #[inline]
 pub fn sides(flat: Vec3, given: Vec3, seen: Vec3) -> (Vec3, Vec3) {
-    let facing = |n: Vec3| if n.dot(seen) > 0.0 { -n } else { n };
     let square = flat.dot(flat);
     if square > 0.0 {
-        let geometric = facing(flat.normalize());
+        let geometric = facing(flat.normalize(), seen);
         let shading = if given.dot(geometric) < 0.0 {
             -given
         } else {
@@ -78,7 +83,7 @@ pub fn sides(flat: Vec3, given: Vec3, seen: Vec3) -> (Vec3, Vec3) {
             return (geometric, shading);
         }
     }
-    let given = facing(given);
+    let given = facing(given, seen);
     (given, given)
 }
 

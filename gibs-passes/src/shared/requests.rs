@@ -1,6 +1,13 @@
 //! How many rays a surfel would like (GIBS, "Global Ray Budget"), in units of what a settled one gets.
 use super::estimator::luminance;
 use crate::data::SurfelIrradiance;
+use glam::UVec2;
+
+/// A surfel's rays, of its first and how many: the first, and the one after the last.
+#[inline]
+pub fn range(span: UVec2) -> (u32, u32) {
+    (span.x, span.x + span.y)
+}
 
 /// Rays before which a surfel's own variance is not believed: what is rare may not have come yet.
 pub const FRESH: u32 = 128;

@@ -7,15 +7,14 @@ use glam::Vec3;
 pub const SPATIAL_BITS: u32 = 12;
 /// Bits of a bin that tell where it goes.
 pub const DIRECTION_BITS: u32 = 4;
-/// Bins of the rays of surfels that were there before, and as many again for those of new ones.
+/// Number of bins.
 pub const BINS: u32 = 1 << (SPATIAL_BITS + DIRECTION_BITS);
 
-/// The part of a bin that all rays of a surfel share: its cell, and whether the surfel is new. Cells that are far apart
-/// share one.
+/// The part of a bin that all rays of a surfel share: its cell. Cells that are far apart share one.
 #[inline]
-pub fn place(position: Vec3, grid: &GridShape, is_new: bool) -> u32 {
+pub fn place(position: Vec3, grid: &GridShape) -> u32 {
     let cell = grid::cell(position, grid) & ((1 << SPATIAL_BITS) - 1);
-    (cell << DIRECTION_BITS) + if is_new { BINS } else { 0 }
+    cell << DIRECTION_BITS
 }
 
 /// The bin of a ray from a place: directions are told apart by 4x4 parts of the octahedral map.
@@ -32,7 +31,7 @@ mod tests {
     use crate::shared::grid::GridLayout;
     use crate::shared::hash::{hash2, unit};
 
-    /// Every ray has a bin of its own half, and all bins of a place are met.
+    /// Every ray has a bin of its place, and all bins of a place are met.
     #[test]
     fn bins_hold_a_place_and_a_direction() {
         let grid = GridLayout::new(16, 100.0).at(Vec3::ZERO, 2.0);
@@ -42,13 +41,11 @@ mod tests {
             let position = Vec3::new(random(0), random(1), random(2)) * 300.0;
             let direction = Vec3::new(random(3), random(4), random(5));
             let direction = direction.try_normalize().unwrap_or(Vec3::Z);
-            for is_new in [false, true] {
-                let place = place(position, &grid, is_new);
-                let bin = bin(place, direction);
-                assert_eq!(bin >> DIRECTION_BITS, place >> DIRECTION_BITS);
-                assert_eq!(bin / BINS, u32::from(is_new));
-                met[(bin - place) as usize] = true;
-            }
+            let place = place(position, &grid);
+            let bin = bin(place, direction);
+            assert_eq!(bin >> DIRECTION_BITS, place >> DIRECTION_BITS);
+            assert!(bin < BINS);
+            met[(bin - place) as usize] = true;
         }
         assert_eq!(met, [true; 1 << DIRECTION_BITS]);
     }

@@ -3,6 +3,7 @@ use crate::data::{Camera, Frame, SurfelBirth, SurfelIrradiance, SurfelPose, Surf
 use crate::shared::debug::{self, DebugView};
 use crate::shared::estimator;
 use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
 
 stage! {
     /// A number for each surfel, in the unit of the view that [`SurfelSettings::debug`] names; -1 for slots that are free,
@@ -18,7 +19,7 @@ stage! {
             read poses: SurfelPose,
             optional_read births: SurfelBirth,
             optional_read irradiance: SurfelIrradiance,
-            optional_read offsets: u32,
+            optional_read spans: UVec2,
             optional_read unseen: u32,
             write values: f32,
         },
@@ -56,9 +57,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 pose.radius / (p.camera.pixel_angle * distance.max(LEAST_DISTANCE))
             }
             Some(DebugView::Variance) => p.irradiance.get(i).map_or(0.0, deviation),
-            Some(DebugView::RayCount) if !p.offsets.is_empty() => {
-                (p.offsets[i + 1] - p.offsets[i]) as f32
-            }
+            Some(DebugView::RayCount) if !p.spans.is_empty() => p.spans[i].y as f32,
             Some(DebugView::Life) => {
                 let born = p.births.get(i).map_or(0, |birth| birth.frame);
                 p.frame.number.wrapping_sub(born) as f32

@@ -3,10 +3,10 @@ use crate::data::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose,
     SurfelSettings,
 };
-use crate::shared::{guide, hash, mark, mixture, sampling};
+use crate::shared::{guide, hash, mark, mixture, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use std::ops::Range;
 
 stage! {
@@ -23,7 +23,7 @@ stage! {
             read poses: SurfelPose,
             read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
-            read offsets: u32,
+            read spans: UVec2,
             optional_read emitters: Emitter,
             optional_read guides: SurfelGuide,
             write rays: Ray,
@@ -58,7 +58,7 @@ fn surfels<'a>(p: &Views<'a>) -> Surfels<'a> {
         poses: p.poses.slice(),
         births: p.births.slice(),
         irradiance: p.irradiance.slice(),
-        offsets: p.offsets.slice(),
+        spans: p.spans.slice(),
         emitters: p.emitters.slice(),
         guides: p.guides.slice(),
     }
@@ -77,8 +77,8 @@ pub struct Surfels<'a> {
     pub births: &'a [SurfelBirth],
     /// How many rays each has drawn.
     pub irradiance: &'a [SurfelIrradiance],
-    /// First ray of each, and one more.
-    pub offsets: &'a [u32],
+    /// First ray of each, and how many.
+    pub spans: &'a [UVec2],
     /// Emissive triangles; empty in a frame without.
     pub emitters: &'a [Emitter],
     /// Guides; empty in a frame without.
@@ -111,7 +111,7 @@ impl<'a> Guide<'a> {
 pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     let emitters = !p.emitters.is_empty();
     for i in range {
-        let (first, last) = (p.offsets[i], p.offsets[i + 1]);
+        let (first, last) = requests::range(p.spans[i]);
         let pose = &p.poses[i];
         let surfel = hash::hash2(mark::identity(pose.mark), p.frame.seed);
         let shift = (hash::hash2(surfel, 0), hash::hash2(surfel, 1));

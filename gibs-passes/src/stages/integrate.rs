@@ -2,10 +2,10 @@
 use crate::data::{
     ClampedLight, Frame, GridShape, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
-use crate::shared::{estimator, grid, sharing};
+use crate::shared::{estimator, grid, requests, sharing};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use std::f32::consts::PI;
 
 stage! {
@@ -21,7 +21,7 @@ stage! {
             uniform grid: GridShape,
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
-            read offsets: u32,
+            read spans: UVec2,
             read radiance: Vec4,
             read forget: Vec2,
             read_write irradiance: SurfelIrradiance,
@@ -51,11 +51,13 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             }
             continue;
         }
-        let (first, last) = (p.offsets[i] as usize, p.offsets[i + 1] as usize);
+        let (first, last) = requests::range(p.spans[i]);
         let mut state = p.irradiance.get(i);
         if first < last {
-            let sum = (first..last).fold(Vec3::ZERO, |sum, ray| sum + p.radiance[ray].truncate());
-            let rays = (last - first) as u32;
+            let sum = (first..last).fold(Vec3::ZERO, |sum, ray| {
+                sum + p.radiance[ray as usize].truncate()
+            });
+            let rays = last - first;
             let sample = sum * (PI / rays as f32);
             let change = p.forget[grid::cell(pose.position, p.grid) as usize];
             state = estimator::forget(&state, change.x, change.y, p.frame.number);

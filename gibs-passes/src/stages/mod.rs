@@ -17,6 +17,7 @@ pub mod gather_at_hits;
 pub mod gather_direct;
 pub mod gather_surfels;
 pub mod generate_rays;
+pub mod geometric_normals;
 pub mod grid_carry;
 pub mod grid_count;
 pub mod grid_insert;
@@ -85,6 +86,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<gather_direct::GatherDirect>(),
         StageInfo::of::<gather_surfels::GatherSurfels>(),
         StageInfo::of::<generate_rays::GenerateRays>(),
+        StageInfo::of::<geometric_normals::GeometricNormals>(),
         StageInfo::of::<grid_carry::GridCarry>(),
         StageInfo::of::<grid_count::GridCount>(),
         StageInfo::of::<grid_insert::GridInsert>(),

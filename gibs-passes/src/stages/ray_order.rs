@@ -1,22 +1,16 @@
 //! `persistent/ray_sorting_order`: the rays of each bin, in an order that depends on nothing but the rays (I9, X9).
-use crate::shared::batch::args;
 use crate::shared::sorting::BINS;
-use gibs_graph::DispatchArgs;
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Orders each bin by the rays' own order, so that threads do not decide; and tells the rays of surfels that were there
-    /// before, `persistent`, from those of new ones, `spawned`.
+    /// Orders each bin by the rays' own order, so that threads do not decide.
     pub stage RayOrder {
         wgsl: gibs_shaders::stages::RAY_ORDER,
         workgroup: [64, 1, 1],
         ports: {
-            uniform batch: DispatchArgs,
             read starts: u32,
             read counts: u32,
             read_write order: u32,
-            write persistent: DispatchArgs,
-            write spawned: DispatchArgs,
         },
         cpu: kernel,
         wide: None,
@@ -24,7 +18,7 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for bin in group.range(2 * BINS) {
+    for bin in group.range(BINS) {
         let (start, count) = (p.starts[bin] as usize, p.counts[bin] as usize);
         // Shell sort: in place, and fast enough for bins of tens to hundreds.
         let mut gap = count / 2;
@@ -39,15 +33,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 p.order.set(start + j, moving);
             }
             gap /= 2;
-        }
-        if bin == BINS as usize {
-            let first = p.starts[bin];
-            p.persistent.set(0, args(first));
-            let spawned = DispatchArgs {
-                first,
-                ..args(p.batch.count - first)
-            };
-            p.spawned.set(0, spawned);
         }
     }
 }

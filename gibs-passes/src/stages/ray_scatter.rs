@@ -19,7 +19,7 @@ const BINS: Lists = Lists {
 };
 
 stage! {
-    /// Puts each ray's index into its bin, in the order in which threads come.
+    /// Puts the index of each ray of a batch into its bin, in the order in which threads come.
     pub stage RayScatter {
         wgsl: gibs_shaders::stages::RAY_SCATTER,
         workgroup: [64, 1, 1],
@@ -37,8 +37,9 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
-        let bin = p.bins[i] as usize;
+        let ray = p.batch.first as usize + i;
+        let bin = p.bins[ray] as usize;
         let slot = p.starts[bin] + p.cursors.add(bin, 1);
-        p.order.set(slot as usize, i as u32);
+        p.order.set(slot as usize, ray as u32);
     }
 }

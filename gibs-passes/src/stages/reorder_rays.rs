@@ -4,7 +4,7 @@ use gibs_graph::DispatchArgs;
 use gibs_graph::{Workgroup, stage};
 
 stage! {
-    /// Copies rays and paths into the order of their bins. `places` tells where each went.
+    /// Copies the rays and paths of a batch into the order of their bins. `places` tells where each went.
     pub stage ReorderRays {
         wgsl: gibs_shaders::stages::REORDER_RAYS,
         workgroup: [64, 1, 1],
@@ -24,9 +24,10 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
-        let ray = p.order[i];
-        p.sorted_rays.set(i, p.rays[ray as usize]);
-        p.sorted_paths.set(i, p.paths[ray as usize]);
-        p.places.set(ray as usize, i as u32);
+        let ray = p.order[i] as usize;
+        let place = p.batch.first as usize + i;
+        p.sorted_rays.set(place, p.rays[ray]);
+        p.sorted_paths.set(place, p.paths[ray]);
+        p.places.set(ray, place as u32);
     }
 }

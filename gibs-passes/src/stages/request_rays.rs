@@ -1,18 +1,21 @@
 //! `persistent/request_rays`: how many rays each surfel would like (I4).
-use crate::data::{Neighbours, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{Frame, Neighbours, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::{requests, sharing::Said};
 use gibs_graph::{Workgroup, stage};
 
 stage! {
     /// Requests rays for every live surfel, in units of the least: by how uncertain its irradiance is, from the
     /// variance of its neighbours' rays or its own, how long no pixel has seen it, and how new it is (GIBS, "Global Ray
-    /// Budget").
+    /// Budget"). `requests` has two elements per surfel: first those of surfels that were there before, then those of new
+    /// ones; each surfel's other one is 0.
     pub stage RequestRays {
         wgsl: gibs_shaders::stages::REQUEST_RAYS,
         workgroup: [64, 1, 1],
         ports: {
+            uniform frame: Frame,
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
+            read births: SurfelBirth,
             read irradiance: SurfelIrradiance,
             read unseen: u32,
             optional_read neighbours: Neighbours,
@@ -24,7 +27,8 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for i in group.range(p.poses.len() as u32) {
+    let surfels = p.poses.len();
+    for i in group.range(surfels as u32) {
         let request = if p.poses[i].radius <= 0.0 {
             0
         } else {
@@ -35,6 +39,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 .map_or(0.0, |said| Said::unpack(said).ray_variance);
             requests::request(&p.irradiance[i], said, p.unseen[i], p.settings.steered != 0)
         };
-        p.requests.set(i, request);
+        let is_new = p.births[i].frame == p.frame.number;
+        let (before, new) = if is_new { (0, request) } else { (request, 0) };
+        p.requests.set(i, before);
+        p.requests.set(surfels + i, new);
     }
 }

@@ -1,10 +1,10 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
 use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::depth::{DEPTH_SIDE, FARTHEST, UNKNOWN, moments, pack_moments};
-use crate::shared::{octahedral, sampling};
+use crate::shared::{octahedral, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use std::ops::Range;
 
 stage! {
@@ -17,7 +17,7 @@ stage! {
             uniform settings: SurfelSettings,
             read poses: SurfelPose,
             read irradiance: SurfelIrradiance,
-            read offsets: u32,
+            read spans: UVec2,
             read rays: Ray,
             read hits: Hit,
             optional_read places: u32,
@@ -57,8 +57,8 @@ pub struct Distances<'a> {
     pub poses: &'a [SurfelPose],
     /// How many rays each has drawn before.
     pub irradiance: &'a [SurfelIrradiance],
-    /// First ray of each surfel, and the end of the last one's.
-    pub offsets: &'a [u32],
+    /// First ray of each surfel, and how many.
+    pub spans: &'a [UVec2],
     /// Rays.
     pub rays: &'a [Ray],
     /// Their hits.
@@ -74,7 +74,7 @@ impl<'a> Distances<'a> {
         Self {
             poses: p.poses.slice(),
             irradiance: p.irradiance.slice(),
-            offsets: p.offsets.slice(),
+            spans: p.spans.slice(),
             rays: p.rays.slice(),
             hits: p.hits.slice(),
             places: p.places.slice(),
@@ -104,14 +104,14 @@ pub fn update_each(
     mut set: impl FnMut(usize, SurfelDepth),
 ) {
     for i in range {
-        let (first, last) = (d.offsets[i] as usize, d.offsets[i + 1] as usize);
+        let (first, last) = requests::range(d.spans[i]);
         if first == last {
             continue;
         }
         let pose = &d.poses[i];
         let before = d.irradiance[i].drawn;
         let mut depth = get(i);
-        for ray in first..last {
+        for ray in first as usize..last as usize {
             // One that could not reach the emitter it was drawn for went nowhere.
             if d.rays[ray].t_max <= 0.0 {
                 continue;
@@ -122,7 +122,7 @@ pub fn update_each(
             let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
             let hit = d.places.get(ray).map_or(ray, |&place| place as usize);
             let t = (d.hits[hit].t / (2.0 * pose.radius)).min(FARTHEST);
-            let blend = depth_blend(before + (ray - first) as u32, d.least);
+            let blend = depth_blend(before + (ray as u32 - first), d.least);
             depth.texels[texel] = learn(depth.texels[texel], t, blend);
         }
         set(i, depth);

@@ -1,6 +1,6 @@
 //! `persistent/update_guide`: what the rays of its neighbours brought, into a surfel's guide (I6).
 use crate::data::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
-use crate::shared::{estimator, grid, guide, hash, mark, sampling};
+use crate::shared::{estimator, grid, guide, hash, mark, requests, sampling};
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3, Vec4};
 use std::f32::consts::PI;
@@ -19,7 +19,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            read offsets: u32,
+            read spans: UVec2,
             read rays: Ray,
             read paths: Path,
             read radiance: Vec4,
@@ -43,8 +43,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         for k in 0..cell.y.min(guide::CANDIDATES) {
             let entry = cell.x + (hash::pcg(seed) % cell.y + k) % cell.y;
             let other = p.entries[entry as usize] as usize;
-            let first = p.offsets[other];
-            let last = p.offsets[other + 1].min(first + guide::RAYS_OF_NEIGHBOUR);
+            let (first, last) = requests::range(p.spans[other]);
+            let last = last.min(first + guide::RAYS_OF_NEIGHBOUR);
             let alike = p.poses[other].normal.dot(pose.normal) > guide::ALIKE;
             if other == i || first == last || !alike {
                 continue;

@@ -154,10 +154,10 @@ twin! {
 }
 
 twin! {
-    sorting_place ["sorting::sorting_place"], (position: Vec3, shape: GridShape, is_new: u32) -> u32,
-    wgsl "sorting_place(position, shape, is_new != 0u)",
-    rust sorting::place(position, &shape, is_new != 0),
-    draw |d| { let g = super::shape(d); (super::place(d, &g), g, d.flag()) },
+    sorting_place ["sorting::sorting_place"], (position: Vec3, shape: GridShape) -> u32,
+    wgsl "sorting_place(position, shape)",
+    rust sorting::place(position, &shape),
+    draw |d| { let g = super::shape(d); (super::place(d, &g), g) },
     bound ROUNDED,
 }
 twin! {

@@ -34,7 +34,6 @@ pub const PARTS: &[(&str, &str)] = &[
         "estimator::estimator_significance",
         "estimator::estimator_to_forget",
     ),
-    ("gbuffer::gbuffer_facing", "gbuffer::gbuffer_sides"),
     ("grid::grid_high", "grid::grid_span"),
     ("grid::grid_index", "grid::grid_cell"),
     ("grid::grid_low", "grid::grid_span"),

@@ -71,6 +71,13 @@ twin! {
     bound ROUNDED,
 }
 twin! {
+    gbuffer_facing ["gbuffer::gbuffer_facing"], (normal: Vec3, seen: Vec3) -> Vec3,
+    wgsl "gbuffer_facing(normal, seen)",
+    rust gbuffer::facing(normal, seen),
+    draw |d| (d.direction(), d.vector(-4, 4)),
+    bound ROUNDED,
+}
+twin! {
     gbuffer_sides ["gbuffer::gbuffer_sides"], (plane: Vec3, given: Vec3, seen: Vec3) -> [[f32; 3]; 2],
     wgsl "let s = gbuffer_sides(plane, given, seen);
         return array<array<f32, 3>, 2>(
@@ -162,6 +169,7 @@ twins!(
     gbuffer_position,
     gbuffer_offset,
     gbuffer_normal,
+    gbuffer_facing,
     gbuffer_sides,
     pixel_of,
     around,

@@ -4,10 +4,11 @@ use crate::data::*;
 use crate::frame::{DebugView, SceneInputs};
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph};
+use glam::UVec2;
 
 /// What the view shows of each surfel; `None` for views that show none.
 ///
-/// Views that [`DebugView::is_of_the_past`] are recorded before pixels reset what they see, without `ray_offsets`; the
+/// Views that [`DebugView::is_of_the_past`] are recorded before pixels reset what they see, without `ray_spans`; the
 /// others once the rays of the frame are in.
 pub(super) fn surfel_values(
     g: &mut Graph,
@@ -15,7 +16,7 @@ pub(super) fn surfel_values(
     scene: &SceneInputs,
     settings: &Buffer<SurfelSettings>,
     surfels: &Surfels,
-    ray_offsets: Option<&Buffer<u32>>,
+    ray_spans: Option<&Buffer<UVec2>>,
 ) -> Option<Buffer<f32>> {
     use DebugView::*;
     // What rays have brought is there once they have.
@@ -35,7 +36,7 @@ pub(super) fn surfel_values(
             poses: &surfels.poses,
             births: (view == Life).then_some(&surfels.births),
             irradiance: is_learned.then_some(&surfels.irradiance),
-            offsets: ray_offsets.filter(|_| view == RayCount),
+            spans: ray_spans.filter(|_| view == RayCount),
             unseen: (view == Unseen).then_some(&surfels.unseen),
             values,
         },

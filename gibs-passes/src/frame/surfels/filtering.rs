@@ -4,9 +4,9 @@ use crate::data::*;
 use crate::frame::{SceneInputs, Settings};
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, Graph, Initial};
-use glam::{Vec2, Vec4};
+use glam::{UVec2, Vec2, Vec4};
 
-/// What the rays brought into the surfels' irradiance. `offsets` and `radiance` are of the rays.
+/// What the rays brought into the surfels' irradiance. `spans` and `radiance` are of the rays.
 #[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
 pub(super) fn filter(
     g: &mut Graph,
@@ -15,7 +15,7 @@ pub(super) fn filter(
     device_settings: &Buffer<SurfelSettings>,
     surfels: Surfels,
     settings: &Settings,
-    offsets: &Buffer<u32>,
+    spans: &Buffer<UVec2>,
     radiance: &Buffer<Vec4>,
 ) -> Surfels {
     let capacity = surfels.poses.len();
@@ -30,7 +30,7 @@ pub(super) fn filter(
             grid: &grid.shape,
             settings: device_settings,
             poses: &surfels.poses,
-            offsets,
+            spans,
             radiance,
             forget: &forget,
             irradiance: surfels.irradiance,

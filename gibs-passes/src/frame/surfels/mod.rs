@@ -234,7 +234,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         &slots.free,
     );
     let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &claims);
-    let (surfels, ray_offsets, hit_gaps) = rays::integrate_rays(
+    let (surfels, ray_spans, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
         &grid,
@@ -245,8 +245,8 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     );
     let present = settings.debug.filter(|view| !view.is_of_the_past());
     let debug_values = past_values.or_else(|| {
-        let offsets = Some(&ray_offsets);
-        debug::surfel_values(g, present?, &scene, &device_settings, &surfels, offsets)
+        let spans = Some(&ray_spans);
+        debug::surfel_values(g, present?, &scene, &device_settings, &surfels, spans)
     });
 
     // These have no rays yet, so that nobody asks for them before the lists are built again.

@@ -3,14 +3,15 @@ use super::sorting::sort_rays;
 use super::spawn::Wanted;
 use super::{Grid, Surfels, filtering};
 use crate::data::*;
-use crate::frame::trace::{Batch, direct_light, resolve, surfaces};
+use crate::frame::trace::{Batch, direct_light, resolve, surfaces, trace};
 use crate::frame::{SceneInputs, Settings};
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
+use glam::UVec2;
 
-/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions. Also gives the
-/// first ray of each surfel, and after the last surfel the number of rays.
+/// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions. Also gives
+/// each surfel's first ray and how many it has.
 pub(super) fn integrate_rays(
     g: &mut Graph,
     scene: &SceneInputs,
@@ -19,13 +20,15 @@ pub(super) fn integrate_rays(
     mut surfels: Surfels,
     settings: &Settings,
     per_point: u32,
-) -> (Surfels, Buffer<u32>, Option<HitGaps>) {
+) -> (Surfels, Buffer<UVec2>, Option<HitGaps>) {
     let capacity = surfels.poses.len();
     let budget = u64::from(settings.rays).max(1);
-    let requests = g.transient("ray_requests", capacity);
+    let requests = g.transient("ray_requests", 2 * capacity);
     let inputs = request_rays::Inputs {
+        frame: &scene.frame,
         settings: device_settings,
         poses: &surfels.poses,
+        births: &surfels.births,
         irradiance: &surfels.irradiance,
         unseen: &surfels.unseen,
         neighbours: surfels.neighbours.as_ref(),
@@ -39,19 +42,23 @@ pub(super) fn integrate_rays(
         )
         .requests;
     let (scanned, total) = exclusive_scan(g, "persistent/ray_scan", &requests);
-    let offsets = g.transient("ray_offsets", capacity + 1);
-    let batch = g.transient("ray_batch", 1);
+    let spans = g.transient("ray_spans", capacity);
+    let [batch, persistent, spawned] =
+        ["ray_batch", "persistent_batch", "spawned_batch"].map(|name| g.transient(name, 1));
     let allocated = g.add::<allocate_rays::AllocateRays>(
         "persistent/allocate_rays",
         allocate_rays::Inputs {
             frame: &scene.frame,
             settings: device_settings,
+            requests: &requests,
             scanned: &scanned,
             total: &total,
-            offsets,
+            spans,
             batch,
+            persistent,
+            spawned,
         },
-        Dispatch::Elements(capacity + 1),
+        Dispatch::Elements(capacity),
     );
     g.output("rays", &allocated.batch);
     let emitters = scene.emitters().filter(|_| settings.emitters);
@@ -65,7 +72,7 @@ pub(super) fn integrate_rays(
             poses: &surfels.poses,
             births: &surfels.births,
             irradiance: &surfels.irradiance,
-            offsets: &allocated.offsets,
+            spans: &allocated.spans,
             emitters,
             guides: surfels.guides.as_ref(),
             rays,
@@ -75,25 +82,21 @@ pub(super) fn integrate_rays(
     );
     let own_rays = generated.rays;
     let mut radiance = g.zeroed("ray_radiance", budget);
-    let (mut segment, own_paths, sorted) = match settings.sorting {
+    let parts = [
+        ("persistent", &allocated.persistent),
+        ("spawn", &allocated.spawned),
+    ]
+    .map(|(group, args)| (group, Batch::on_device(args, budget)));
+    let (mut segment, own_paths, places) = match settings.sorting {
         true => {
-            let batch = Batch::on_device(&allocated.batch, budget);
-            let (rays, paths, sorted) = sort_rays(
-                g,
-                scene,
-                grid,
-                &surfels,
-                &allocated.offsets,
-                &batch,
-                &own_rays,
-                &generated.paths,
-            );
+            let (paths, spans) = (&generated.paths, &allocated.spans);
+            let sorted = sort_rays(g, &parts, grid, &surfels.poses, spans, &own_rays, paths);
             let segment = Segment {
                 args: allocated.batch,
-                rays: Some(rays),
-                paths,
+                rays: Some(sorted.rays),
+                paths: sorted.paths,
             };
-            (segment, Some(generated.paths), Some(sorted))
+            (segment, Some(generated.paths), Some(sorted.places))
         }
         false => {
             let segment = Segment {
@@ -113,13 +116,16 @@ pub(super) fn integrate_rays(
         };
         let batch = Batch::on_device(&segment.args, budget);
         let rays = segment.rays.as_ref().unwrap_or(&own_rays);
-        let (hits, points) = match sorted.as_ref().filter(|_| depth == 0) {
-            Some(sorted) => {
-                let hits = sorted.trace(g, scene, rays);
-                let points = resolve(g, "persistent", &suffix, scene, &batch, rays, &hits);
+        let (hits, points) = match depth {
+            0 => {
+                let hits = g.transient("persistent_hits", budget);
+                let hits = parts.iter().fold(hits, |hits, (group, batch)| {
+                    trace(g, &format!("{group}/ray_trace"), scene, batch, rays, hits)
+                });
+                let points = resolve(g, "persistent", "", scene, &batch, rays, &hits);
                 (hits, points)
             }
-            None => surfaces(g, "persistent", &suffix, scene, &batch, rays),
+            _ => surfaces(g, "persistent", &suffix, scene, &batch, rays),
         };
         let direct = direct_light(g, "persistent", &suffix, scene, per_point, &batch, &points);
         let label = format!("persistent/gather_surfels{suffix}");
@@ -207,7 +213,7 @@ pub(super) fn integrate_rays(
                 cells: &grid.cells,
                 entries: &grid.entries,
                 poses: &surfels.poses,
-                offsets: &allocated.offsets,
+                spans: &allocated.spans,
                 rays: &own_rays,
                 paths,
                 radiance: &radiance,
@@ -226,10 +232,10 @@ pub(super) fn integrate_rays(
                 settings: device_settings,
                 poses: &surfels.poses,
                 irradiance: &surfels.irradiance,
-                offsets: &allocated.offsets,
+                spans: &allocated.spans,
                 rays: &own_rays,
                 hits,
-                places: sorted.as_ref().map(|sorted| &sorted.places),
+                places: places.as_ref(),
                 depths,
             };
             let label = "persistent/update_depth";
@@ -251,10 +257,10 @@ pub(super) fn integrate_rays(
         device_settings,
         surfels,
         settings,
-        &allocated.offsets,
+        &allocated.spans,
         &radiance,
     );
-    (surfels, allocated.offsets, hit_gaps)
+    (surfels, allocated.spans, hit_gaps)
 }
 
 /// Hits that no surfel covers, at each of which one may be born.

@@ -65,8 +65,18 @@ pub(super) fn see(g: &mut Graph, scene: &SceneInputs, frame: &SurfelFrame) -> Se
         },
         tiles(frame, import_gbuffer::TILE),
     );
+    let faced = g.add::<geometric_normals::GeometricNormals>(
+        "spawn/geometric_normals",
+        geometric_normals::Inputs {
+            camera: &scene.camera,
+            host: &host,
+            depth: &depth,
+            points: imported.points,
+        },
+        tiles(frame, import_gbuffer::TILE),
+    );
     Seen {
-        points: imported.points,
+        points: faced.points,
         by: By::Host(host),
     }
 }

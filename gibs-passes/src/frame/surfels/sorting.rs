@@ -1,118 +1,95 @@
-//! Ray sorting (I9), and the trace of what it sorts.
-use super::{Grid, Surfels};
+//! Ray sorting (I9).
+use super::Grid;
 use crate::data::*;
-use crate::frame::SceneInputs;
-use crate::frame::trace::{Batch, trace};
+use crate::frame::trace::Batch;
 use crate::shared::scan::exclusive_scan;
 use crate::shared::sorting::BINS;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
+use gibs_graph::{Buffer, Dispatch, Graph};
+use glam::UVec2;
 
-/// How rays were sorted: those of surfels that were there before lie in front of those of new ones.
+/// Rays and paths in the order of their bins.
 pub(super) struct Sorted {
+    pub rays: Buffer<Ray>,
+    pub paths: Buffer<Path>,
     /// Where each ray went.
     pub places: Buffer<u32>,
-    persistent: Buffer<DispatchArgs>,
-    spawned: Buffer<DispatchArgs>,
 }
 
-/// Rays and paths in the order of their bins. `offsets` tells which are whose.
-#[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
+/// Sorts the rays of each part among themselves: the stages of a part are named after its group. `spans` tells which rays are
+/// whose.
 pub(super) fn sort_rays(
     g: &mut Graph,
-    scene: &SceneInputs,
+    parts: &[(&str, Batch<'_>)],
     grid: &Grid,
-    surfels: &Surfels,
-    offsets: &Buffer<u32>,
-    batch: &Batch<'_>,
+    poses: &Buffer<SurfelPose>,
+    spans: &Buffer<UVec2>,
     rays: &Buffer<Ray>,
     paths: &Buffer<Path>,
-) -> (Buffer<Ray>, Buffer<Path>, Sorted) {
-    let capacity = surfels.poses.len();
-    let two_halves = u64::from(2 * BINS);
-    let bins = g.transient("ray_bins", batch.most);
-    let counts = g.zeroed("ray_bin_counts", two_halves);
-    let binned = g.add::<ray_bins::RayBins>(
-        "persistent/ray_sorting_bins",
-        ray_bins::Inputs {
-            frame: &scene.frame,
-            grid: &grid.shape,
-            poses: &surfels.poses,
-            births: &surfels.births,
-            offsets,
-            rays,
-            bins,
-            counts,
-        },
-        Dispatch::Elements(capacity),
-    );
-    let (starts, _) = exclusive_scan(g, "persistent/ray_sorting_scan", &binned.counts);
-    let cursors = g.zeroed("ray_bin_cursors", two_halves);
-    let order = g.transient("ray_order", batch.most);
-    let inputs = ray_scatter::Inputs {
-        batch: batch.args,
-        bins: &binned.bins,
-        starts: &starts,
-        cursors,
-        order,
+) -> Sorted {
+    let most = rays.len();
+    let mut sorted = Sorted {
+        rays: g.transient("sorted_rays", most),
+        paths: g.transient("sorted_paths", most),
+        places: g.transient("ray_places", most),
     };
-    let label = "persistent/ray_sorting_scatter";
-    let scattered = g.add::<ray_scatter::RayScatter>(label, inputs, batch.dispatch());
-    let (persistent, spawned) = (
-        g.transient("persistent_batch", 1),
-        g.transient("spawned_batch", 1),
-    );
-    let ordered = g.add::<ray_order::RayOrder>(
-        "persistent/ray_sorting_order",
-        ray_order::Inputs {
+    for (group, batch) in parts {
+        let name = |of: &str| format!("{group}_ray_{of}");
+        let label = |of: &str| format!("{group}/ray_sorting_{of}");
+        let (bins, order) = (
+            g.transient(&name("bins"), most),
+            g.transient(&name("order"), most),
+        );
+        let (counts, cursors) = (
+            g.zeroed(&name("bin_counts"), BINS.into()),
+            g.zeroed(&name("bin_cursors"), BINS.into()),
+        );
+        let binned = g.add::<ray_bins::RayBins>(
+            &label("bins"),
+            ray_bins::Inputs {
+                batch: batch.args,
+                grid: &grid.shape,
+                poses,
+                spans,
+                rays,
+                bins,
+                counts,
+            },
+            Dispatch::Elements(poses.len()),
+        );
+        let (starts, _) = exclusive_scan(g, &label("scan"), &binned.counts);
+        let inputs = ray_scatter::Inputs {
             batch: batch.args,
+            bins: &binned.bins,
+            starts: &starts,
+            cursors,
+            order,
+        };
+        let scattered =
+            g.add::<ray_scatter::RayScatter>(&label("scatter"), inputs, batch.dispatch());
+        let inputs = ray_order::Inputs {
             starts: &starts,
             counts: &binned.counts,
             order: scattered.order,
-            persistent,
-            spawned,
-        },
-        Dispatch::Elements(two_halves),
-    );
-    let (sorted_rays, sorted_paths, places) = (
-        g.transient("sorted_rays", batch.most),
-        g.transient("sorted_paths", batch.most),
-        g.transient("ray_places", batch.most),
-    );
-    let sorted = g.add::<reorder_rays::ReorderRays>(
-        "persistent/ray_sorting_reorder",
-        reorder_rays::Inputs {
+        };
+        let bins = Dispatch::Elements(BINS.into());
+        let ordered = g.add::<ray_order::RayOrder>(&label("order"), inputs, bins);
+        let inputs = reorder_rays::Inputs {
             batch: batch.args,
             order: &ordered.order,
             rays,
             paths,
-            sorted_rays,
-            sorted_paths,
-            places,
-        },
-        batch.dispatch(),
-    );
-    let how = Sorted {
-        places: sorted.places,
-        persistent: ordered.persistent,
-        spawned: ordered.spawned,
-    };
-    (sorted.sorted_rays, sorted.sorted_paths, how)
-}
-
-impl Sorted {
-    /// The closest hit of each ray: `persistent/ray_trace`, and `spawn/ray_trace` for those of new surfels.
-    pub fn trace(&self, g: &mut Graph, scene: &SceneInputs, rays: &Buffer<Ray>) -> Buffer<Hit> {
-        let most = rays.len();
-        let mut hits = g.transient("persistent_hits", most);
-        let parts = [
-            ("persistent/ray_trace", &self.persistent),
-            ("spawn/ray_trace", &self.spawned),
-        ];
-        for (label, args) in parts {
-            let batch = Batch::on_device(args, most);
-            hits = trace(g, label, scene, &batch, rays, hits);
-        }
-        hits
+            sorted_rays: sorted.rays,
+            sorted_paths: sorted.paths,
+            places: sorted.places,
+        };
+        let reordered =
+            g.add::<reorder_rays::ReorderRays>(&label("reorder"), inputs, batch.dispatch());
+        sorted = Sorted {
+            rays: reordered.sorted_rays,
+            paths: reordered.sorted_paths,
+            places: reordered.places,
+        };
     }
+    sorted
 }

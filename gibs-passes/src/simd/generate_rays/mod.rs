@@ -12,8 +12,8 @@ use super::directions::{over_the_lobe, start};
 use super::hashes::{hash2, hash3, unit};
 use super::lanes::{columns, loaded_words, store_rows};
 use crate::data::{Path, Ray};
-use crate::shared::mark;
 use crate::shared::sampling::R2_STEPS;
+use crate::shared::{mark, requests};
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
 
@@ -59,7 +59,7 @@ fn generate_wide(
     };
     let mut count = 0;
     for i in range {
-        let (first, last) = (surfels.offsets[i], surfels.offsets[i + 1]);
+        let (first, last) = requests::range(surfels.spans[i]);
         for ray in first..last {
             let at = count % 8;
             batch.surfels[at] = i;

@@ -5,7 +5,7 @@ use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, S
 use crate::shared::hash::{hash2, unit};
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use std::ops::Range;
 
 const SURFELS: u32 = 3000;
@@ -52,10 +52,11 @@ fn both(frame: &Frame, range: Range<usize>) -> [Made; 2] {
         },
         ..SurfelIrradiance::zeroed()
     });
-    let mut offsets = vec![17];
+    let (mut spans, mut next) = (vec![], 17);
     for i in ids() {
         let rays = [0, 1, 2, 3, 4, 7, 64][hash2(i, 10) as usize % 7];
-        offsets.push(offsets[i as usize] + rays);
+        spans.push(UVec2::new(next, rays));
+        next += rays;
     }
     let (births, irradiance) = (births.collect::<Vec<_>>(), irradiance.collect::<Vec<_>>());
     let surfels = Surfels {
@@ -67,7 +68,7 @@ fn both(frame: &Frame, range: Range<usize>) -> [Made; 2] {
         poses: &poses,
         births: &births,
         irradiance: &irradiance,
-        offsets: &offsets,
+        spans: &spans,
         emitters: &[],
         guides: &[],
     };

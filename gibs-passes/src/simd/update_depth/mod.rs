@@ -13,6 +13,7 @@ use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
 use crate::data::SurfelDepth;
 use crate::shared::depth::{DEPTH_SIDE, FARTHEST, MOMENT_SCALE, UNKNOWN};
+use crate::shared::requests;
 use crate::stages::update_depth::{DEPTH_SETTLES, Distances, update_each};
 
 /// Rays whose hits are asked for at once.
@@ -48,7 +49,7 @@ fn update_wide(
     };
     let mut count = 0;
     for i in range {
-        let (first, last) = (d.offsets[i], d.offsets[i + 1]);
+        let (first, last) = requests::range(d.spans[i]);
         if first == last {
             continue;
         }

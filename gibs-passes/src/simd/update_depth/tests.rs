@@ -6,7 +6,7 @@ use crate::shared::depth::UNKNOWN;
 use crate::shared::hash::{hash2, hash3, unit};
 use crate::stages::update_depth::{Distances, update_each};
 use bytemuck::Zeroable;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -99,7 +99,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
         })
         .collect();
     // Up to 15 rays each, none for many, and for a few more than a batch.
-    let mut offsets = vec![0];
+    let (mut spans, mut count) = (vec![], 0);
     for i in 0..SURFELS {
         let bits = hash2(i, 18);
         let rays = match bits % 50 {
@@ -107,9 +107,9 @@ fn wide_depth_functions_are_the_scalar_ones() {
             1..20 => 0,
             _ => bits >> 28,
         };
-        offsets.push(offsets[i as usize] + rays);
+        spans.push(UVec2::new(count, rays));
+        count += rays;
     }
-    let count = offsets[SURFELS as usize];
     let rays: Vec<Ray> = (0..count).map(ray).collect();
     let hits: Vec<Hit> = (0..count).map(hit).collect();
     let sorted: Vec<u32> = (0..count).map(|i| count - 1 - i).collect();
@@ -117,7 +117,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
         let distances = Distances {
             poses: &poses,
             irradiance: &irradiance,
-            offsets: &offsets,
+            spans: &spans,
             rays: &rays,
             hits: &hits,
             places,
