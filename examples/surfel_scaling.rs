@@ -6,7 +6,8 @@
 //!
 //! What varies is the size of the picture: surfels have a radius of four pixels, so that a picture of twice the area has twice the
 //! surfels, each half as large in the scene, and as many pixels for each of them. Each pixel and each hit should find as many
-//! surfels as before. Scene, camera, budget of rays, capacity and all other settings stay as they are. Frames run until hardly any
+//! surfels as before, and the time of *apply* is told per pixel: edges and corners take more surfels in a small picture, so that a
+//! large one has more pixels for each. Scene, camera, budget of rays, capacity and all other settings stay as they are. Frames run until hardly any
 //! surfels are born, then the median time of each stage over some more frames counts. Where a curve of time per surfel is level,
 //! the time is proportional to the surfels; where it falls, a part of it does not depend on them; where it rises, the stage does
 //! not scale. Nothing is asserted. `docs/performance.md` has figures.
@@ -61,20 +62,42 @@ const CAPACITY: u32 = 524_288;
 /// Frames after which surfels are counted, whether or not more are born.
 const MOST_FRAMES: u32 = 96;
 
-/// What is timed: a name, and which steps of the frame belong to it.
-type Group = (&'static str, fn(&str) -> bool);
+/// What is timed: a name, which steps of the frame belong to it, and of what there is one per surfel or pixel.
+type Group = (&'static str, fn(&str) -> bool, Per);
+
+/// What the time of a group is divided by.
+#[derive(Clone, Copy)]
+enum Per {
+    Surfel,
+    /// A gather is for a pixel, and a large picture has more of those per surfel.
+    Pixel,
+}
 
 const GROUPS: [Group; 4] = [
-    ("grid", |step| {
-        step.contains("persistent/grid") || step.contains("spawn/inject")
-    }),
-    ("apply", |step| step.contains("apply/lighting_apply")),
-    ("integration", |step| step.starts_with("filtering/")),
-    ("ray set-up", |step| {
-        ["request_rays", "ray_scan", "allocate_rays", "generate_rays"]
-            .iter()
-            .any(|part| step.contains(&format!("persistent/{part}")))
-    }),
+    (
+        "grid",
+        |step| step.contains("persistent/grid") || step.contains("spawn/inject"),
+        Per::Surfel,
+    ),
+    (
+        "apply, per pixel",
+        |step| step.contains("apply/lighting_apply"),
+        Per::Pixel,
+    ),
+    (
+        "integration",
+        |step| step.starts_with("filtering/"),
+        Per::Surfel,
+    ),
+    (
+        "ray set-up",
+        |step| {
+            ["request_rays", "ray_scan", "allocate_rays", "generate_rays"]
+                .iter()
+                .any(|part| step.contains(&format!("persistent/{part}")))
+        },
+        Per::Surfel,
+    ),
 ];
 
 /// One number of surfels.
@@ -134,50 +157,61 @@ fn measure(args: &Args, about: u32) -> Result<Measured, Box<dyn Error>> {
     Ok(Measured {
         size,
         surfels: renderer.counters()?.live,
-        groups: GROUPS.map(|(_, belongs)| sum(belongs)),
+        groups: GROUPS.map(|(_, belongs, _)| sum(belongs)),
         frame: medians.iter().sum(),
     })
 }
 
-/// Nanoseconds per surfel.
-fn per_surfel(milliseconds: f64, surfels: u32) -> f64 {
-    milliseconds * 1e6 / f64::from(surfels.max(1))
+impl Measured {
+    fn pixels(&self) -> f64 {
+        f64::from(self.size[0]) * f64::from(self.size[1])
+    }
+
+    /// Nanoseconds of a group for each of what it is divided by.
+    fn each(&self, group: usize) -> f64 {
+        let count = match GROUPS[group].2 {
+            Per::Surfel => f64::from(self.surfels.max(1)),
+            Per::Pixel => self.pixels(),
+        };
+        self.groups[group] * 1e6 / count
+    }
 }
 
 fn run(args: &Args) -> Result<(), Box<dyn Error>> {
-    println!("| surfels | picture | grid | apply | integration | ray set-up | frame |");
-    println!("|---|---|---|---|---|---|---|");
+    println!(
+        "| surfels | picture | pixels per surfel | grid | apply, per pixel | integration | ray set-up | frame |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
     let mut all = Vec::new();
     let counts = std::iter::successors(Some(args.least), |n| n.checked_mul(2));
     for about in counts.take_while(|n| *n <= args.most) {
         let m = measure(args, about)?;
-        let groups = m.groups.map(|milliseconds| {
-            let nanoseconds = per_surfel(milliseconds, m.surfels);
-            format!("{milliseconds:.2} ms, {nanoseconds:.0} ns")
-        });
+        let groups: [String; GROUPS.len()] =
+            std::array::from_fn(|i| format!("{:.2} ms, {:.0} ns", m.groups[i], m.each(i)));
         println!(
-            "| {} | {}x{} | {} | {:.0} ms |",
+            "| {} | {}x{} | {:.1} | {} | {:.0} ms |",
             m.surfels,
             m.size[0],
             m.size[1],
+            m.pixels() / f64::from(m.surfels.max(1)),
             groups.join(" | "),
             m.frame
         );
         all.push(m);
     }
-    let series = GROUPS.iter().enumerate().map(|(i, (name, _))| Series {
+    let series = GROUPS.iter().enumerate().map(|(i, (name, ..))| Series {
         name: (*name).into(),
         points: all
             .iter()
-            .map(|m| [f64::from(m.surfels), per_surfel(m.groups[i], m.surfels)])
+            .map(|m| [f64::from(m.surfels), m.each(i)])
             .collect(),
         band: Vec::new(),
         ..Series::default()
     });
     let plot = Plot {
-        title: "Time of stages per surfel".into(),
+        title: "Time of stages per surfel; of apply, per pixel".into(),
         x: Axis::log("live surfels"),
-        y: Axis::log("nanoseconds per surfel"),
+        y: Axis::log("nanoseconds"),
         series: series.collect(),
     };
     if let Some(out) = &args.out {

@@ -300,13 +300,15 @@ impl Settings {
     /// The grid's shape for a picture where a pixel subtends this angle, radians.
     ///
     /// Cells are about four target radii wide: wide enough that the grid does not limit radii, narrow enough that
-    /// lists stay short.
+    /// lists stay short. There are no more than pay: where there is room for more surfels, whose lists would get long,
+    /// more of them.
     pub fn grid(&self, pixel_angle: f32, size: [u32; 2]) -> GridLayout {
         const RADII_PER_CELL: f32 = 4.0;
         let radius = self.radius_in(size);
         let fitting = 2.0 / (RADII_PER_CELL * radius * pixel_angle.max(1e-6));
+        let most = (self.slots() as f32 / 1024.0).sqrt() * 5.0;
         let side = if self.grid_side == 0 {
-            (fitting as u32).clamp(4, 40)
+            (fitting as u32).clamp(4, most.clamp(40.0, 64.0) as u32)
         } else {
             self.grid_side.max(4)
         };
