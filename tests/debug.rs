@@ -4,9 +4,10 @@ mod common;
 use common::{all_backends, cpu, settings};
 use gibs::graph::{Backend, DispatchArgs, Element};
 use gibs::passes::data::{
-    DebugPixel, GridShape, SurfacePoint, SurfelDepth, SurfelGuide, SurfelIrradiance, SurfelPose,
+    DebugPixel, GridShape, SurfacePoint, SurfelGuide, SurfelIrradiance, SurfelPose,
 };
 use gibs::passes::frame::{DebugScale, DebugView, Settings};
+use gibs::passes::shared::depth::Depths;
 use gibs::passes::shared::{depth, grid, guide, lookup, octahedral, sampling, surface};
 use gibs::picture::{OUTSIDE_COLOR, cool_warm, inferno};
 use gibs::{DebugPicture, RenderError, Renderer, builtin};
@@ -345,7 +346,8 @@ fn depth_functions_are_looked_up_towards_the_pixel() {
     let slots = slots(12);
     let mut renderer = rendered(DebugView::DepthFunction, 12);
     let poses: Vec<SurfelPose> = buffer(&mut renderer, "surfel_poses");
-    let depths: Vec<SurfelDepth> = buffer(&mut renderer, "surfel_depths");
+    let depths: Vec<u32> = buffer(&mut renderer, "surfel_depths");
+    let depths = Depths::new(&depths, Settings::default().depth_side);
     let points: Vec<SurfacePoint> = renderer.output("points").expect("an output");
     let states: Vec<SurfelIrradiance> = buffer(&mut renderer, "surfel_irradiance");
     let mut nearer = 0;
@@ -361,7 +363,7 @@ fn depth_functions_are_looked_up_towards_the_pixel() {
             false => d.normalize(),
         };
         let local = sampling::to_local(toward, pose.normal).max(Vec3::new(-1.0, -1.0, 0.0));
-        let expected = depth::depth_moments(&depths[slot as usize], local).x;
+        let expected = depth::depth_moments(depths.get(slot as usize).expect("there"), local).x;
         assert!((value - expected).abs() < 1e-5, "{value} for {expected}");
         nearer += usize::from(value < 0.7);
     }

@@ -3,8 +3,7 @@ mod common;
 
 use common::{all_backends, settings};
 use gibs::passes::data::{
-    Camera, GridShape, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose,
-    SurfelSettings,
+    Camera, GridShape, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
 use gibs::passes::frame::Settings;
 use gibs::passes::shared::{depth, mark};
@@ -66,7 +65,7 @@ fn young_surfels_shrink_where_rays_find_walls() {
         for frame in 1..LEARNS_FOR + 8 {
             let before: Vec<SurfelPose> = left(&mut renderer, "surfel_poses");
             let births: Vec<SurfelBirth> = left(&mut renderer, "surfel_births");
-            let depths: Vec<SurfelDepth> = left(&mut renderer, "surfel_depths");
+            let depths: Vec<u32> = left(&mut renderer, "surfel_depths");
             renderer.frame().expect("a frame");
             let after: Vec<SurfelPose> = left(&mut renderer, "surfel_poses");
             let camera: Camera = left(&mut renderer, "camera")[0];
@@ -81,9 +80,11 @@ fn young_surfels_shrink_where_rays_find_walls() {
                     );
                     continue;
                 }
-                let crowded = depth::is_crowded(&depths[i]);
+                let texels = depth::count(settings.depth_side);
+                let texels = || depths[i * texels..][..texels].iter().copied();
+                let crowded = depth::is_crowded(texels());
                 if is.radius == was.radius {
-                    let open = depth::is_open(&depths[i]);
+                    let open = depth::is_open(texels());
                     assert_eq!(mark::is_open(is.mark), open, "{name}, surfel {i}");
                     (opened, hides) = (opened + u32::from(open), hides + u32::from(!open));
                 }

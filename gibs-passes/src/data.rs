@@ -166,12 +166,12 @@ element! {
         debug: u32,
         /// 1 where new surfels take the geometric normal.
         geometric_normals: u32,
+        /// Texels along each side of a depth function.
+        depth_side: u32,
         /// Zero.
         pad0: u32,
         /// Zero.
         pad1: u32,
-        /// Zero.
-        pad2: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -381,13 +381,6 @@ element! {
         pad: u32,
     }
 
-    /// A surfel's depth function: 4x4 texels of the hemisphere, first and second moment of distance over the
-    /// surfel's diameter, 16 bits each.
-    pub struct SurfelDepth {
-        /// Texels, row by row.
-        texels: [u32; 16],
-    }
-
     /// What the surfels around a point say.
     pub struct Gathered {
         /// Sum of weight times irradiance, divided by the summed weight where that is above one, W/m^2.
@@ -470,13 +463,6 @@ element! {
         /// Surfels that gave up their slots since the start, wrapping.
         recycled: u32,
     }
-}
-
-impl SurfelDepth {
-    /// Nothing known in any direction: both moments one, the diameter, so that it hides nothing.
-    pub const OPEN: Self = Self {
-        texels: [u32::MAX; 16],
-    };
 }
 
 /// What cannot be said of an engine's G-buffer.

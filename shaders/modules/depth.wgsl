@@ -1,5 +1,5 @@
-// What a surfel's depth function lets through. Reads the stage's global `depths`.
-import package::lookup::{LOOKUP_DEPTH_SIDE, LOOKUP_MOMENT_SCALE, lookup_chebyshev, lookup_steps};
+// What a surfel's depth function lets through. Reads the stage's globals `depths` and `settings`.
+import package::lookup::{LOOKUP_MOMENT_SCALE, lookup_chebyshev, lookup_steps};
 import package::octahedral::octahedral_hemisphere_encode;
 import package::sampling::sampling_to_local;
 import package::types::SurfelPose;
@@ -9,15 +9,16 @@ import package::vector::vector_length;
 const DEPTH_ANY: f32 = 3.4028234e38;
 
 fn depth_texel(surfel: u32, x: f32, y: f32) -> vec2<f32> {
-    let last = f32(LOOKUP_DEPTH_SIDE) - 1.0;
+    let side = settings.depth_side;
+    let last = f32(side) - 1.0;
     let column = u32(clamp(x, 0.0, last));
     let row = u32(clamp(y, 0.0, last));
-    return lookup_steps(depths[surfel].texels[row * LOOKUP_DEPTH_SIDE + column]);
+    return lookup_steps(depths[(surfel * side + row) * side + column]);
 }
 
 /// Moments of a surfel's depth function in a direction of its frame, bilinear.
 fn depth_moments(surfel: u32, local: vec3<f32>) -> vec2<f32> {
-    let uv = octahedral_hemisphere_encode(local) * f32(LOOKUP_DEPTH_SIDE) - 0.5;
+    let uv = octahedral_hemisphere_encode(local) * f32(settings.depth_side) - 0.5;
     let low = floor(uv);
     let f = uv - low;
     let top = depth_texel(surfel, low.x, low.y) * (1.0 - f.x) + depth_texel(surfel, low.x + 1.0, low.y) * f.x;

@@ -3,8 +3,6 @@ import package::surface::surface_unorm16;
 import package::types::SurfelPose;
 import package::vector::vector_dot;
 
-/// Texels along each side of a depth function.
-const LOOKUP_DEPTH_SIDE: u32 = 4u;
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
 const LOOKUP_SQUASH: f32 = 4.0;
 /// Weight of a surfel at its own centre.
@@ -38,8 +36,8 @@ const LOOKUP_UNKNOWN: u32 = 0xffffffffu;
 /// A surfel's radius as a first moment, in steps.
 const LOOKUP_RADIUS_STEPS: u32 = 0x8000u;
 
-/// Summed over all texels, by how many steps the mean distance may lack a radius before surfaces count as close.
-const LOOKUP_CLOSE: u32 = 16u * LOOKUP_RADIUS_STEPS / 32u;
+/// By how many steps the mean distance in a texel may lack a radius, in the mean, before surfaces count as close.
+const LOOKUP_CLOSE: u32 = LOOKUP_RADIUS_STEPS / 32u;
 
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
 fn lookup_steps(texel: u32) -> vec2<f32> {

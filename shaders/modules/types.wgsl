@@ -115,9 +115,9 @@ struct SurfelSettings {
     hit_births: u32,
     debug: u32,
     geometric_normals: u32,
+    depth_side: u32,
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }
 
 struct Corners {
@@ -235,10 +235,6 @@ struct ClampedLight {
     brought: f32,
     samples: u32,
     pad: u32,
-}
-
-struct SurfelDepth {
-    texels: array<u32, 16>,
 }
 
 struct Gathered {

@@ -10,7 +10,7 @@ import package::surface::surface_is_surface;
 import package::surfel::surfel_radius_at;
 import package::upsample::upsample_pixel_of;
 import package::vector::vector_dot;
-import package::types::{Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings};
+import package::types::{Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -20,7 +20,7 @@ import package::types::{Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, S
 @group(0) @binding(5) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(6) var<storage, read> entries: array<u32>;
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
-@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<u32>;
 @group(0) @binding(9) var<storage, read_write> unseen: array<atomic<u32>>;
 @group(0) @binding(10) var<storage, read_write> candidates: array<u32>;
 @group(0) @binding(11) var<storage, read_write> flags: array<u32>;

@@ -6,7 +6,7 @@ import package::lookup::LOOKUP_ENOUGH_AT_HITS;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
 import package::types::{
-    DispatchArgs, Gathered, GridShape, Path, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings
+    DispatchArgs, Gathered, GridShape, Path, SurfacePoint, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
@@ -17,7 +17,7 @@ import package::types::{
 @group(0) @binding(5) var<storage, read> entries: array<u32>;
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read> light: array<SurfelLight>;
-@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<u32>;
 @if(paths) @group(0) @binding(9) var<storage, read> paths: array<Path>;
 @group(0) @binding(10) var<storage, read_write> gathered: array<Gathered>;
 

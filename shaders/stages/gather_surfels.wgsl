@@ -4,7 +4,7 @@ import package::invocation::invocation_index;
 import package::octahedral::octahedral_unpack;
 import package::surface::surface_is_surface;
 import package::types::{
-    DispatchArgs, Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings
+    DispatchArgs, Gathered, GridShape, SurfacePoint, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> batch: DispatchArgs;
@@ -15,7 +15,7 @@ import package::types::{
 @group(0) @binding(5) var<storage, read> entries: array<u32>;
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read> light: array<SurfelLight>;
-@if(depths) @group(0) @binding(8) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(8) var<storage, read> depths: array<u32>;
 @group(0) @binding(9) var<storage, read_write> gathered: array<Gathered>;
 
 /// No summed weight is enough.

@@ -7,7 +7,7 @@ import package::octahedral::octahedral_unpack;
 import package::recycling::RECYCLING_LOST;
 import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
 import package::types::{
-    Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform
+    Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform
 };
 import package::vector::vector_normalize;
 
@@ -19,14 +19,15 @@ import package::vector::vector_normalize;
 @group(0) @binding(5) var<storage, read_write> births: array<SurfelBirth>;
 @group(0) @binding(6) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read_write> unseen: array<u32>;
-@if(depths) @group(0) @binding(8) var<storage, read_write> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(8) var<storage, read_write> depths: array<u32>;
 
 /// The depth function follows the radius, over twice which its distances are.
 @if(depths)
 fn rescale_depths(surfel: u32, shrinks: f32) {
     let squared = shrinks * shrinks;
-    for (var texel = 0u; texel < 16u; texel++) {
-        depths[surfel].texels[texel] = lookup_rescaled(depths[surfel].texels[texel], shrinks, squared);
+    let texels = settings.depth_side * settings.depth_side;
+    for (var texel = surfel * texels; texel < (surfel + 1u) * texels; texel++) {
+        depths[texel] = lookup_rescaled(depths[texel], shrinks, squared);
     }
 }
 @else
@@ -36,10 +37,11 @@ fn rescale_depths(surfel: u32, shrinks: f32) {}
 @if(depths)
 fn is_crowded(surfel: u32) -> bool {
     var lacks = 0u;
-    for (var texel = 0u; texel < 16u; texel++) {
-        lacks += LOOKUP_RADIUS_STEPS - min(depths[surfel].texels[texel] & 0xffffu, LOOKUP_RADIUS_STEPS);
+    let texels = settings.depth_side * settings.depth_side;
+    for (var texel = surfel * texels; texel < (surfel + 1u) * texels; texel++) {
+        lacks += LOOKUP_RADIUS_STEPS - min(depths[texel] & 0xffffu, LOOKUP_RADIUS_STEPS);
     }
-    return lacks > LOOKUP_CLOSE;
+    return lacks > texels * LOOKUP_CLOSE;
 }
 @else
 fn is_crowded(surfel: u32) -> bool {
@@ -49,8 +51,9 @@ fn is_crowded(surfel: u32) -> bool {
 /// Whether the depth function hides nothing within the radius: in no direction is the mean distance shorter.
 @if(depths)
 fn is_open(surfel: u32) -> bool {
-    for (var texel = 0u; texel < 16u; texel++) {
-        if (depths[surfel].texels[texel] & 0xffffu) < LOOKUP_RADIUS_STEPS {
+    let texels = settings.depth_side * settings.depth_side;
+    for (var texel = surfel * texels; texel < (surfel + 1u) * texels; texel++) {
+        if (depths[texel] & 0xffffu) < LOOKUP_RADIUS_STEPS {
             return false;
         }
     }

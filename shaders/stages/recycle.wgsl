@@ -5,7 +5,7 @@ import package::invocation::invocation_index;
 import package::lookup::LOOKUP_PEAK;
 import package::mark::mark_identity;
 import package::recycling::{recycling_chance, recycling_looks};
-import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings};
+import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelPose, SurfelSettings};
 import package::vector::vector_length;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -15,7 +15,7 @@ import package::vector::vector_length;
 @group(0) @binding(4) var<storage, read> cells: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> entries: array<u32>;
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
-@if(depths) @group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(7) var<storage, read> depths: array<u32>;
 @group(0) @binding(8) var<storage, read> counters: array<SurfelCounters>;
 @group(0) @binding(9) var<storage, read> unseen: array<u32>;
 @group(0) @binding(10) var<storage, read_write> gone: array<u32>;

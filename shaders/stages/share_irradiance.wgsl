@@ -10,7 +10,7 @@ import package::sharing::{
     SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_VARIANCE, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
-    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
+    Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -20,7 +20,7 @@ import package::types::{
 @group(0) @binding(4) var<storage, read> entries: array<u32>;
 @group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(6) var<storage, read> irradiance: array<SurfelIrradiance>;
-@if(depths) @group(0) @binding(7) var<storage, read> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(7) var<storage, read> depths: array<u32>;
 @group(0) @binding(8) var<storage, read> forget: array<vec2<f32>>;
 @group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
 @group(0) @binding(10) var<storage, read_write> light: array<SurfelLight>;

@@ -7,7 +7,7 @@ import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::surface::surface_is_surface;
 import package::surfel::{SURFEL_AT_HIT, surfel_radius_at};
 import package::types::{
-    Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance, SurfelPose,
+    Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform
 };
 import package::vector::{vector_dot, vector_length, vector_normalize};
@@ -22,13 +22,14 @@ import package::vector::{vector_dot, vector_length, vector_normalize};
 @group(0) @binding(7) var<storage, read_write> births: array<SurfelBirth>;
 @group(0) @binding(8) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(9) var<storage, read_write> irradiance: array<SurfelIrradiance>;
-@if(depths) @group(0) @binding(10) var<storage, read_write> depths: array<SurfelDepth>;
+@if(depths) @group(0) @binding(10) var<storage, read_write> depths: array<u32>;
 
 /// Both moments one: the depth function at the diameter everywhere.
 @if(depths)
 fn open_depth_function(slot: u32) {
-    for (var texel = 0u; texel < 16u; texel++) {
-        depths[slot].texels[texel] = 0xffffffffu;
+    let texels = settings.depth_side * settings.depth_side;
+    for (var texel = slot * texels; texel < (slot + 1u) * texels; texel++) {
+        depths[texel] = 0xffffffffu;
     }
 }
 @else

@@ -1,11 +1,11 @@
 // Distances of rays into the depth function of the surfels that they began on.
 import package::invocation::invocation_index;
 import package::lookup::{
-    LOOKUP_DEPTH_SIDE, LOOKUP_FARTHEST, LOOKUP_UNKNOWN, lookup_moments, lookup_pack_moments
+    LOOKUP_FARTHEST, LOOKUP_UNKNOWN, lookup_moments, lookup_pack_moments
 };
 import package::octahedral::octahedral_hemisphere_encode;
 import package::sampling::sampling_to_local;
-import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
+import package::types::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
 @group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
@@ -14,11 +14,11 @@ import package::types::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, Sur
 @group(0) @binding(4) var<storage, read> rays: array<Ray>;
 @group(0) @binding(5) var<storage, read> hits: array<Hit>;
 @if(places) @group(0) @binding(6) var<storage, read> places: array<u32>;
-@group(0) @binding(7) var<storage, read_write> depths: array<SurfelDepth>;
+@group(0) @binding(7) var<storage, read_write> depths: array<u32>;
 
 /// Row or column of the depth function for a coordinate in `[0, 1]`.
 fn depth_index(x: f32) -> u32 {
-    return min(u32(max(x * f32(LOOKUP_DEPTH_SIDE), 0.0)), LOOKUP_DEPTH_SIDE - 1u);
+    return min(u32(max(x * f32(settings.depth_side), 0.0)), settings.depth_side - 1u);
 }
 
 /// Rays after which a texel's share of a new distance has halved from all.
@@ -43,7 +43,7 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let diameter = 2.0 * pose.radius;
     let local = sampling_to_local(rays[ray].direction, pose.normal);
     let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
-    let texel = depth_index(uv.y) * LOOKUP_DEPTH_SIDE + depth_index(uv.x);
+    let texel = (surfel * settings.depth_side + depth_index(uv.y)) * settings.depth_side + depth_index(uv.x);
     // Compared before it is divided: the distance of a miss over the diameter would overflow.
     var t = LOOKUP_FARTHEST;
     let distance = hits[place_of(ray)].t;
@@ -51,13 +51,13 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
         t = min(distance / diameter, LOOKUP_FARTHEST);
     }
     let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
-    let before = depths[surfel].texels[texel];
+    let before = depths[texel];
     var learned = vec2<f32>(t, t * t);
     if before != LOOKUP_UNKNOWN {
         let old = lookup_moments(before);
         learned = old + (learned - old) * blend;
     }
-    depths[surfel].texels[texel] = lookup_pack_moments(learned);
+    depths[texel] = lookup_pack_moments(learned);
 }
 
 @compute @workgroup_size(64)

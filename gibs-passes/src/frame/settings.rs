@@ -27,6 +27,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub depth_blend: f32,
     /// See [`Settings::all`].
+    pub depth_side: u32,
+    /// See [`Settings::all`].
     pub clamp: bool,
     /// See [`Settings::all`].
     pub steering: bool,
@@ -75,6 +77,7 @@ impl Default for Settings {
             half_resolution: true,
             depth: true,
             depth_blend: 0.05,
+            depth_side: 4,
             clamp: false,
             steering: true,
             guiding: false,
@@ -233,6 +236,7 @@ settings! {
     lookup: u32, "surfels", 1, 4096, "most surfels that a lookup visits in a cell";
     half_resolution: bool, "", 0.0, 1.0, "fill gaps and gather surfels at half the width and height, but for edges; else at every pixel";
     depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
+    depth_side: u32, "texels", 2, 8, "texels along each side of a depth function";
     depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
     steering: bool, "", 0.0, 1.0, "give rays to surfels by how uncertain they are; else alike";
@@ -334,6 +338,7 @@ impl Settings {
             coverage: self.coverage,
             lookup: self.lookup,
             depth_blend: self.depth_blend,
+            depth_side: self.depth_side,
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
             hit_births: self.hit_births,

@@ -2,11 +2,8 @@
 use super::octahedral::hemisphere_encode;
 use super::sampling::to_local;
 use super::surface;
-use crate::data::{SurfelDepth, SurfelPose};
+use crate::data::SurfelPose;
 use glam::{Vec2, Vec3};
-
-/// Texels along each side of a depth function.
-pub const DEPTH_SIDE: u32 = 4;
 
 /// Least variance of the depth function, squared surfel diameters: the quantization of the moments.
 pub const LEAST_VARIANCE: f32 = 1e-4;
@@ -27,25 +24,97 @@ pub const UNKNOWN: u32 = u32::MAX;
 /// A surfel's radius as a first moment, in steps.
 const RADIUS_STEPS: u32 = 0x8000;
 
-/// Whether a depth function hides nothing within the radius: in no direction is the mean distance shorter.
-#[inline]
-pub fn is_open(depth: &SurfelDepth) -> bool {
-    let texels = depth.texels.iter();
-    texels.fold(true, |open, texel| open & (texel & 0xffff >= RADIUS_STEPS))
+/// The depth functions of all surfels: texels over the hemisphere, row by row, one surfel's after the other's. A texel has the first
+/// and the second moment of distance over the surfel's diameter, 16 bits each.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Depths<'a> {
+    texels: &'a [u32],
+    side: u32,
 }
 
-/// Summed over all texels, by how many steps the mean distance may lack a radius before surfaces count as close: a thirty-second
-/// of the radius in the mean over directions.
-const CLOSE: u32 = DEPTH_SIDE * DEPTH_SIDE * RADIUS_STEPS / 32;
+/// The depth function of a surfel.
+#[derive(Clone, Copy, Debug)]
+pub struct Depth<'a> {
+    /// Texels, row by row.
+    pub texels: &'a [u32],
+    /// Texels along each side.
+    pub side: u32,
+}
+
+impl<'a> Depths<'a> {
+    /// Of so many texels along each side; without texels where a frame has no depth functions.
+    #[inline]
+    pub fn new(texels: &'a [u32], side: u32) -> Self {
+        Self { texels, side }
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.texels.is_empty()
+    }
+
+    /// Texels along each side.
+    #[inline]
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// The texels of all surfels.
+    #[inline]
+    pub fn texels(&self) -> &'a [u32] {
+        self.texels
+    }
+
+    /// First texel of a surfel.
+    #[inline]
+    pub fn first(&self, surfel: usize) -> usize {
+        surfel * count(self.side)
+    }
+
+    /// That of a surfel; `None` in a frame without.
+    #[inline]
+    pub fn get(&self, surfel: usize) -> Option<Depth<'a>> {
+        let texels = self
+            .texels
+            .get(self.first(surfel)..self.first(surfel + 1))?;
+        (!texels.is_empty()).then_some(Depth {
+            texels,
+            side: self.side,
+        })
+    }
+}
+
+/// Texels of a depth function with so many along each side.
+#[inline]
+pub fn count(side: u32) -> usize {
+    (side * side) as usize
+}
+
+/// Whether a depth function of these texels hides nothing within the radius: in no direction is the mean distance shorter.
+#[inline]
+pub fn is_open(texels: impl Iterator<Item = u32>) -> bool {
+    let mut texels = texels;
+    texels.all(|texel| texel & 0xffff >= RADIUS_STEPS)
+}
+
+/// By how many steps the mean distance in a texel may lack a radius, in the mean over all of them, before surfaces count as close: a
+/// thirty-second of the radius.
+const CLOSE: u32 = RADIUS_STEPS / 32;
 
 /// Whether a surfel has learned that surfaces are so close that its irradiance says little of places a radius away (Ward,
 /// Rubinstein and Clear 1988: irradiance changes over the distance to what is around). Only what is nearer than a radius
 /// counts; of a surfel that has more than doubled since it learned, that is everything. Summed in whole steps; what is unknown
 /// is far.
 #[inline]
-pub fn is_crowded(depth: &SurfelDepth) -> bool {
-    let lacks = |texel: &u32| RADIUS_STEPS.saturating_sub(texel & 0xffff);
-    depth.texels.iter().map(lacks).sum::<u32>() > CLOSE
+pub fn is_crowded(texels: impl Iterator<Item = u32>) -> bool {
+    let (count, lacks) = texels.fold((0, 0), |(count, lacks), texel| {
+        (
+            count + 1,
+            lacks + RADIUS_STEPS.saturating_sub(texel & 0xffff),
+        )
+    });
+    lacks > count * CLOSE
 }
 
 /// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].
@@ -66,36 +135,38 @@ pub fn pack_moments(m: Vec2) -> u32 {
     surface::unorm16(m.x) | (surface::unorm16(m.y) << 16)
 }
 
-/// A depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing is
-/// known beyond the diameter of before, and what was open to there counts as hidden beyond until rays tell.
+/// A texel of a depth function over another diameter, which is that of before over `shrinks`. Where the surfel has grown, nothing
+/// is known beyond the diameter of before, and what was open to there counts as hidden beyond until rays tell.
 #[inline]
-pub fn rescaled(depth: &SurfelDepth, shrinks: f32) -> SurfelDepth {
+pub fn rescaled(texel: u32, shrinks: f32) -> u32 {
     let squared = shrinks * shrinks;
-    SurfelDepth {
-        texels: depth.texels.map(|texel| {
-            if texel == UNKNOWN {
-                return UNKNOWN;
-            }
-            let m = moments(texel);
-            pack_moments(Vec2::new(
-                (m.x * shrinks).min(FARTHEST),
-                (m.y * squared).min(FARTHEST),
-            ))
-        }),
+    if texel == UNKNOWN {
+        return UNKNOWN;
     }
+    let m = moments(texel);
+    pack_moments(Vec2::new(
+        (m.x * shrinks).min(FARTHEST),
+        (m.y * squared).min(FARTHEST),
+    ))
+}
+
+/// Row or column of a texel, of so many along each side, for a coordinate in `[0, 1]`.
+#[inline]
+pub fn index(coordinate: f32, side: u32) -> u32 {
+    ((coordinate * side as f32) as u32).min(side - 1)
 }
 
 /// Moments of the depth function in a direction of the surfel's frame, bilinear.
 #[inline]
-pub fn depth_moments(depth: &SurfelDepth, local: Vec3) -> Vec2 {
-    let side = DEPTH_SIDE as f32;
+pub fn depth_moments(depth: Depth<'_>, local: Vec3) -> Vec2 {
+    let side = depth.side as f32;
     let uv = hemisphere_encode(local) * side - 0.5;
     let low = uv.floor();
     let f = uv - low;
     let at = |dx: f32, dy: f32| {
         let x = (low.x + dx).clamp(0.0, side - 1.0) as usize;
         let y = (low.y + dy).clamp(0.0, side - 1.0) as usize;
-        steps(depth.texels[y * DEPTH_SIDE as usize + x])
+        steps(depth.texels[y * depth.side as usize + x])
     };
     let top = at(0.0, 0.0) * (1.0 - f.x) + at(1.0, 0.0) * f.x;
     let bottom = at(0.0, 1.0) * (1.0 - f.x) + at(1.0, 1.0) * f.x;
@@ -120,19 +191,19 @@ pub fn chebyshev(m: Vec2, t: f32) -> f32 {
 /// Share of a surfel's light that reaches a point at `d` from it, by its depth function. It falls to nothing beyond the
 /// diameter, of which that knows nothing.
 #[inline]
-pub fn visibility(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+pub fn visibility(depth: Depth<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
     visibility_within(f32::MAX, depth, pose, d)
 }
 
 /// [`visibility`] of a point beyond the diameter too: what is open up to there counts as open.
 #[inline]
-pub fn openness(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+pub fn openness(depth: Depth<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
     visibility_within(1.0, depth, pose, d)
 }
 
 /// [`visibility`] of what is at most so many diameters away; what is farther, as if it were there.
 #[inline]
-pub fn visibility_within(most: f32, depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+pub fn visibility_within(most: f32, depth: Depth<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
     // Nothing fits between a surfel's centre and a point this close.
     if distance < 0.02 * pose.radius {

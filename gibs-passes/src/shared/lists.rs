@@ -1,6 +1,7 @@
 //! The grid's lists as lookups see them: which surfels a lookup at a point visits.
+use super::depth::Depths;
 use super::{bounds, grid};
-use crate::data::{GridShape, SurfelDepth, SurfelPose, SurfelSettings};
+use crate::data::{GridShape, SurfelPose, SurfelSettings};
 use crate::simd;
 use glam::{UVec2, Vec3};
 
@@ -17,7 +18,7 @@ pub struct Surfels<'a> {
     /// Where surfels are.
     pub poses: &'a [SurfelPose],
     /// Their depth functions; empty in a frame without.
-    pub depths: &'a [SurfelDepth],
+    pub depths: Depths<'a>,
     /// The grid of the cells.
     pub grid: &'a GridShape,
     /// Settings of the lookup.

@@ -202,9 +202,9 @@ pub fn neighbours(
         if weight <= 0.0 || !wanted(id) {
             continue;
         }
-        if !s.depths.is_empty() {
-            weight *= visibility(&s.depths[id], pose, d);
-            weight *= visibility(&s.depths[own], place, pose.position - place.position);
+        if let (Some(depth), Some(own_depth)) = (s.depths.get(id), s.depths.get(own)) {
+            weight *= visibility(depth, pose, d);
+            weight *= visibility(own_depth, place, pose.position - place.position);
         }
         each(id, weight);
     }
@@ -272,8 +272,8 @@ pub fn gather(
         if weight <= 0.0 || light[id].trust == 0.0 {
             continue;
         }
-        if !s.depths.is_empty() {
-            weight *= openness(&s.depths[id], pose, point - pose.position);
+        if let Some(depth) = s.depths.get(id) {
+            weight *= openness(depth, pose, point - pose.position);
         }
         if weight < LEAST_WEIGHT {
             continue;

@@ -1,8 +1,9 @@
 //! Wide lookups give the scalar ones' bits.
 use super::lookup::FULL;
 use super::{Avx2, Lookup};
-use crate::data::{Gathered, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings};
+use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose, SurfelSettings};
 use crate::shared::bounds;
+use crate::shared::depth::Depths;
 use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
 use crate::shared::lists::Surfels;
@@ -44,15 +45,15 @@ fn the_wide_lookup_is_the_scalar_one() {
             mark: mark::of(i, hash2(i, 12).is_multiple_of(3)),
         })
         .collect();
-    let depths: Vec<SurfelDepth> = ids()
-        .map(|i| SurfelDepth {
-            texels: std::array::from_fn(|t| match i % 3 {
-                0 => 0xffff_ffff,
-                1 => hash3(i, t as u32, 7),
-                // Moments of one distance, so that the variance is the least there is.
-                _ => depth::pack_moments(glam::Vec2::new(0.3, 0.09)),
-            }),
-        })
+    // Room for every side.
+    let texel = |i: u32, t: u32| match i % 3 {
+        0 => 0xffff_ffff,
+        1 => hash3(i, t, 7),
+        // Moments of one distance, so that the variance is the least there is.
+        _ => depth::pack_moments(glam::Vec2::new(0.3, 0.09)),
+    };
+    let depths: Vec<u32> = ids()
+        .flat_map(|i| (0..64).map(move |t| texel(i, t)))
         .collect();
     let light: Vec<SurfelLight> = ids()
         .map(|i| SurfelLight {
@@ -90,7 +91,10 @@ fn the_wide_lookup_is_the_scalar_one() {
             cells: &cells,
             entries: &entries,
             poses: &poses,
-            depths: if case % 3 == 0 { &[] } else { &depths },
+            depths: match case % 3 {
+                0 => Depths::default(),
+                _ => Depths::new(&depths, 2 + case % 7),
+            },
             grid: &grid,
             settings: &settings,
         };

@@ -1,9 +1,9 @@
 //! `debug/discs`: surfels on the surfaces that the pixels see, as a debug view shows them (F3).
 use crate::data::{
-    Camera, DebugPixel, GridShape, SurfacePoint, SurfelDepth, SurfelGuide, SurfelPose,
-    SurfelSettings,
+    Camera, DebugPixel, GridShape, SurfacePoint, SurfelGuide, SurfelPose, SurfelSettings,
 };
 use crate::shared::debug::{self, DebugView};
+use crate::shared::depth::{Depth, Depths};
 use crate::shared::{depth as depths, guide, lists, lookup, octahedral, sampling, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -25,7 +25,7 @@ stage! {
             read entries: u32,
             read poses: SurfelPose,
             read values: f32,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             optional_read guides: SurfelGuide,
             write debug: DebugPixel,
         },
@@ -42,7 +42,7 @@ const GUIDE_REACH: f32 = 0.5;
 
 /// Mean distance in the direction of a point at `d` from the surfel, as a lookup asks for it; along the normal
 /// at the centre, where no lookup asks.
-fn mean_distance(depth: &SurfelDepth, pose: &SurfelPose, d: Vec3) -> f32 {
+fn mean_distance(depth: Depth<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
     let distance = d.length();
     let local = match distance >= 0.02 * pose.radius {
         true => sampling::to_local(d / distance, pose.normal),
@@ -123,7 +123,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };
@@ -151,7 +151,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let nothing = debug::NOTHING.value;
         let pixel = match view {
             Some(DebugView::DepthFunction) => {
-                let depth = p.depths.get(id);
+                let depth = surfels.depths.get(id);
                 debug::pixel(depth.map_or(nothing, |f| mean_distance(f, pose, d)), 1.0)
             }
             Some(DebugView::Guide) => {

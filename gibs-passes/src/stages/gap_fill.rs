@@ -1,8 +1,7 @@
 //! `spawn/gap_fill`: the least covered texel of each tile (S2).
 use super::positional_update::radius_at;
-use crate::data::{
-    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelDepth, SurfelPose, SurfelSettings,
-};
+use crate::data::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings};
+use crate::shared::depth::Depths;
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::shared::{hash, surface, upsample};
@@ -30,7 +29,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             atomic unseen: u32,
             write candidates: u32,
             write flags: u32,
@@ -96,7 +95,7 @@ fn fill(
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };

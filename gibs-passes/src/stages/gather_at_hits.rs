@@ -1,7 +1,8 @@
 //! `persistent/gather_surfels`: irradiance at the hits of rays from the surfels around them (I2).
 use crate::data::{
-    Gathered, GridShape, Path, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
+    Gathered, GridShape, Path, SurfacePoint, SurfelLight, SurfelPose, SurfelSettings,
 };
+use crate::shared::depth::Depths;
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::simd;
@@ -24,7 +25,7 @@ stage! {
             read entries: u32,
             read poses: SurfelPose,
             read light: SurfelLight,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             optional_read paths: Path,
             write gathered: Gathered,
         },
@@ -61,7 +62,7 @@ fn gather(
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };

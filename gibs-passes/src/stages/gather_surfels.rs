@@ -1,7 +1,6 @@
 //! `*/gather_surfels`, `apply/lighting_apply`: irradiance at points from the surfels around them (S12).
-use crate::data::{
-    Gathered, GridShape, SurfacePoint, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
-};
+use crate::data::{Gathered, GridShape, SurfacePoint, SurfelLight, SurfelPose, SurfelSettings};
+use crate::shared::depth::Depths;
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::simd;
@@ -23,7 +22,7 @@ stage! {
             read entries: u32,
             read poses: SurfelPose,
             read light: SurfelLight,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             write gathered: Gathered,
         },
         cpu: kernel,
@@ -54,7 +53,7 @@ fn gather(
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };

@@ -1,9 +1,7 @@
 //! `persistent/positional_update`: surfels follow the surfaces that they were born on (S5), and their radius follows
 //! the camera (S8).
 use super::resolve_hits::{map_point, map_transposed};
-use crate::data::{
-    Camera, Frame, GridShape, SurfelBirth, SurfelDepth, SurfelPose, SurfelSettings, Transform,
-};
+use crate::data::{Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
 use crate::shared::{depth, grid, mark, octahedral, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
@@ -26,7 +24,7 @@ stage! {
             read_write births: SurfelBirth,
             read_write poses: SurfelPose,
             read_write unseen: u32,
-            optional_read_write depths: SurfelDepth,
+            optional_read_write depths: u32,
         },
         cpu: kernel,
         wide: None,
@@ -63,7 +61,10 @@ pub fn radius_at(
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    let texels = depth::count(p.settings.depth_side);
     for i in group.range(p.poses.len() as u32) {
+        let own = i * texels..(i + 1) * texels;
+        let depth = || own.clone().map(|texel| p.depths.get(texel));
         let pose = p.poses.get(i);
         if pose.radius <= 0.0 {
             continue;
@@ -85,16 +86,19 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             p.births.set(i, birth);
         }
         let learns = number.wrapping_sub(birth.frame) < LEARNS_FOR;
-        if learns && !p.depths.is_empty() && depth::is_crowded(&p.depths.get(i)) {
+        if learns && !p.depths.is_empty() && depth::is_crowded(depth()) {
             birth.clearance = birth.clearance.min(SHRINKS_TO * pose.radius);
             p.births.set(i, birth);
         }
         let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
         if radius != pose.radius && !p.depths.is_empty() {
-            let depth = depth::rescaled(&p.depths.get(i), pose.radius / radius);
-            p.depths.set(i, depth);
+            let shrinks = pose.radius / radius;
+            for texel in own.clone() {
+                p.depths
+                    .set(texel, depth::rescaled(p.depths.get(texel), shrinks));
+            }
         }
-        let open = p.depths.is_empty() || depth::is_open(&p.depths.get(i));
+        let open = p.depths.is_empty() || depth::is_open(depth());
         p.poses.set(
             i,
             SurfelPose {

@@ -1,7 +1,6 @@
 //! `persistent/recycle`: which surfels give up their slots (S9).
-use crate::data::{
-    Camera, Frame, GridShape, SurfelCounters, SurfelDepth, SurfelPose, SurfelSettings,
-};
+use crate::data::{Camera, Frame, GridShape, SurfelCounters, SurfelPose, SurfelSettings};
+use crate::shared::depth::Depths;
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, Place};
 use crate::shared::{hash, mark, recycling};
@@ -23,7 +22,7 @@ stage! {
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             read counters: SurfelCounters,
             read unseen: u32,
             write gone: u32,
@@ -56,7 +55,7 @@ fn choose(
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };

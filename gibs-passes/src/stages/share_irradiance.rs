@@ -1,8 +1,8 @@
 //! `filtering/spatial`: irradiance of neighbouring surfels (I8).
 use crate::data::{
-    Frame, GridShape, Neighbours, SurfelDepth, SurfelIrradiance, SurfelLight, SurfelPose,
-    SurfelSettings,
+    Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
+use crate::shared::depth::Depths;
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup;
 use crate::shared::{grid, sharing};
@@ -25,7 +25,7 @@ stage! {
             read entries: u32,
             read poses: SurfelPose,
             read irradiance: SurfelIrradiance,
-            optional_read depths: SurfelDepth,
+            optional_read depths: u32,
             read forget: Vec2,
             read_write neighbours: Neighbours,
             write light: SurfelLight,
@@ -63,7 +63,7 @@ fn share(
         cells: p.cells.slice(),
         entries: p.entries.slice(),
         poses: p.poses.slice(),
-        depths: p.depths.slice(),
+        depths: Depths::new(p.depths.slice(), p.settings.depth_side),
         grid: p.grid,
         settings: p.settings,
     };

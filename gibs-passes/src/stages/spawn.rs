@@ -2,10 +2,10 @@
 use super::positional_update::radius_at;
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{
-    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelDepth, SurfelIrradiance,
-    SurfelPose, SurfelSettings, Transform,
+    Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelIrradiance, SurfelPose,
+    SurfelSettings, Transform,
 };
-use crate::shared::{hash, mark, octahedral, surface};
+use crate::shared::{depth, hash, mark, octahedral, surface};
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
 
@@ -26,7 +26,7 @@ stage! {
             write births: SurfelBirth,
             write poses: SurfelPose,
             write irradiance: SurfelIrradiance,
-            optional_write depths: SurfelDepth,
+            optional_write depths: u32,
         },
         cpu: kernel,
         wide: None,
@@ -112,7 +112,9 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         );
         p.irradiance.set(slot, SurfelIrradiance::default());
         if !p.depths.is_empty() {
-            p.depths.set(slot, SurfelDepth::OPEN);
+            let texels = depth::count(p.settings.depth_side);
+            (slot * texels..(slot + 1) * texels)
+                .for_each(|texel| p.depths.set(texel, depth::UNKNOWN));
         }
     }
 }

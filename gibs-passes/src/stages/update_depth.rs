@@ -1,6 +1,6 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
-use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::depth::{DEPTH_SIDE, FARTHEST, UNKNOWN, moments, pack_moments};
+use crate::data::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::depth::{FARTHEST, UNKNOWN, count, index, moments, pack_moments};
 use crate::shared::{octahedral, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
@@ -21,7 +21,7 @@ stage! {
             read rays: Ray,
             read hits: Hit,
             optional_read places: u32,
-            read_write depths: SurfelDepth,
+            read_write depths: u32,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -67,6 +67,8 @@ pub struct Distances<'a> {
     pub places: &'a [u32],
     /// Least share of a new distance.
     pub least: f32,
+    /// Texels along each side of a depth function.
+    pub side: u32,
 }
 
 impl<'a> Distances<'a> {
@@ -79,29 +81,30 @@ impl<'a> Distances<'a> {
             hits: p.hits.slice(),
             places: p.places.slice(),
             least: p.settings.depth_blend,
+            side: p.settings.depth_side,
         }
     }
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.poses.len() as u32);
-    let (get, set) = (|i| p.depths.get(i), |i, depth| p.depths.set(i, depth));
+    let (get, set) = (|i| p.depths.get(i), |i, texel| p.depths.set(i, texel));
     simd::update_depth(&Distances::of(p), range, get, set);
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.poses.len() as u32);
-    let (get, set) = (|i| p.depths.get(i), |i, depth| p.depths.set(i, depth));
+    let (get, set) = (|i| p.depths.get(i), |i, texel| p.depths.set(i, texel));
     update_each(&Distances::of(p), range, get, set);
 }
 
-/// Feeds the distances of a range of surfels to their depth functions, which `get` and `set` read and replace.
+/// Feeds the distances of a range of surfels to their depth functions, whose texels `get` and `set` read and replace.
 #[inline]
 pub fn update_each(
     d: &Distances<'_>,
     range: Range<usize>,
-    get: impl Fn(usize) -> SurfelDepth,
-    mut set: impl FnMut(usize, SurfelDepth),
+    get: impl Fn(usize) -> u32,
+    mut set: impl FnMut(usize, u32),
 ) {
     for i in range {
         let (first, last) = requests::range(d.spans[i]);
@@ -110,7 +113,6 @@ pub fn update_each(
         }
         let pose = &d.poses[i];
         let before = d.irradiance[i].drawn;
-        let mut depth = get(i);
         for ray in first as usize..last as usize {
             // One that could not reach the emitter it was drawn for went nowhere.
             if d.rays[ray].t_max <= 0.0 {
@@ -118,14 +120,13 @@ pub fn update_each(
             }
             let local = sampling::to_local(d.rays[ray].direction, pose.normal);
             let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
-            let at = |x: f32| ((x * DEPTH_SIDE as f32) as u32).min(DEPTH_SIDE - 1);
-            let texel = (at(uv.y) * DEPTH_SIDE + at(uv.x)) as usize;
+            let texel = index(uv.y, d.side) * d.side + index(uv.x, d.side);
+            let texel = i * count(d.side) + texel as usize;
             let hit = d.places.get(ray).map_or(ray, |&place| place as usize);
             let t = (d.hits[hit].t / (2.0 * pose.radius)).min(FARTHEST);
             let blend = depth_blend(before + (ray as u32 - first), d.least);
-            depth.texels[texel] = learn(depth.texels[texel], t, blend);
+            set(texel, learn(get(texel), t, blend));
         }
-        set(i, depth);
     }
 }
 

@@ -81,6 +81,7 @@ pub fn cases(
             check_slots: true,
             queries: 64,
             coverage: 1.5,
+            depth_side: 7,
             debug: Some(DebugView::ALL[(2 * i) % DebugView::ALL.len()]),
             // More lists than there is room for, and fewer surfels than are wanted; with so many rays each that they
             // notice when lights change.

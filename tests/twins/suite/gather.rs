@@ -3,9 +3,8 @@ use super::declare::ROUNDED;
 use super::inputs::Draw;
 use super::surfels::depths;
 use gibs_graph::glam::{UVec2, Vec3};
-use gibs_passes::data::{
-    Gathered, GridShape, SurfelDepth, SurfelLight, SurfelPose, SurfelSettings,
-};
+use gibs_passes::data::{Gathered, GridShape, SurfelLight, SurfelPose, SurfelSettings};
+use gibs_passes::shared::depth::Depths;
 use gibs_passes::shared::grid::{self, GridLayout};
 use gibs_passes::shared::lists::{DROPPED, Surfels};
 use gibs_passes::shared::lookup::{self, Place};
@@ -97,6 +96,7 @@ fn at(d: &mut Draw) -> (Vec3, Vec3) {
 fn visiting(lookup: u32) -> SurfelSettings {
     SurfelSettings {
         lookup,
+        depth_side: 4,
         ..SurfelSettings::default()
     }
 }
@@ -105,10 +105,10 @@ fn visiting(lookup: u32) -> SurfelSettings {
 twin! {
     lookup_gather ["gather::lookup_gather", "gather::gather_openness", "gather::gather_share"],
     (point: Vec3, normal: Vec3, enough: f32, averaged: u32, shape: GridShape, visits: u32) -> Gathered,
-    wgsl "grid = shape; settings.lookup = visits; return lookup_gather(point, normal, enough, averaged != 0u);",
+    wgsl "grid = shape; settings.lookup = visits; settings.depth_side = 4u; return lookup_gather(point, normal, enough, averaged != 0u);",
     rust {
         let settings = super::visiting(visits);
-        let s = Surfels { cells, entries, poses, depths, grid: &shape, settings: &settings };
+        let s = Surfels { cells, entries, poses, depths: Depths::new(depths, settings.depth_side), grid: &shape, settings: &settings };
         let place = Place { position: point, normal, list: s.around(point) };
         lookup::gather(&place, enough, averaged != 0, &s, light)
     },
@@ -127,18 +127,18 @@ twin! {
         entries: u32 = super::lists().1,
         poses: SurfelPose = super::poses(),
         light: SurfelLight = super::light(),
-        depths: SurfelDepth = super::depths(),
+        depths: u32 = super::depths(),
     },
 }
 twin! {
     lookup_coverage ["coverage::lookup_coverage", "coverage::coverage_share"],
     (point: Vec3, normal: Vec3, shape: GridShape, visits: u32) -> [f32; 2],
-    wgsl "grid = shape; settings.lookup = visits; seen = 0u;
+    wgsl "grid = shape; settings.lookup = visits; settings.depth_side = 4u; seen = 0u;
         let covered = lookup_coverage(point, normal);
         return array<f32, 2>(covered, f32(seen));",
     rust {
         let settings = super::visiting(visits);
-        let s = Surfels { cells, entries, poses, depths, grid: &shape, settings: &settings };
+        let s = Surfels { cells, entries, poses, depths: Depths::new(depths, settings.depth_side), grid: &shape, settings: &settings };
         let place = Place { position: point, normal, list: s.around(point) };
         let mut seen = 0;
         let covered = lookup::coverage(&place, &s, |id| seen += id as u32 + 1);
@@ -156,7 +156,7 @@ twin! {
         cells: UVec2 = super::lists().0,
         entries: u32 = super::lists().1,
         poses: SurfelPose = super::poses(),
-        depths: SurfelDepth = super::depths(),
+        depths: u32 = super::depths(),
     },
 }
 

@@ -2,7 +2,8 @@
 use super::declare::{DIVIDED, EXACT, ROUNDED};
 use super::inputs::Draw;
 use gibs_graph::glam::{Vec2, Vec3};
-use gibs_passes::data::{SurfelDepth, SurfelPose};
+use gibs_passes::data::SurfelPose;
+use gibs_passes::shared::depth::{Depth, Depths};
 use gibs_passes::shared::{depth, hash, lookup, mark, mixture, recycling};
 
 /// A surfel in the middle, and of a size that a place near it can be within.
@@ -59,7 +60,7 @@ twin! {
 twin! {
     rescaled ["lookup::lookup_rescaled"], (texel: u32, shrinks: f32) -> u32,
     wgsl "lookup_rescaled(texel, shrinks, shrinks * shrinks)",
-    rust depth::rescaled(&SurfelDepth { texels: [texel; 16] }, shrinks).texels[7],
+    rust depth::rescaled(texel, shrinks),
     draw |d| (d.word(), d.magnitude(-3, 4)),
     bound ROUNDED,
 }
@@ -112,8 +113,8 @@ twin! {
     bound ROUNDED,
 }
 
-/// Depth functions: open, closed, of one wall, of noise.
-pub fn depths() -> Vec<SurfelDepth> {
+/// Depth functions of any side: open, closed, of one wall, of noise.
+pub fn depths() -> Vec<u32> {
     let texel = |i: u32, t: u32| match i % 4 {
         0 => u32::MAX,
         1 => hash::hash2(i, t),
@@ -121,42 +122,57 @@ pub fn depths() -> Vec<SurfelDepth> {
         _ => (0x4000 + hash::hash2(i, t) % 0x4000) | (0x1000 + hash::hash2(t, i) % 0x4000) << 16,
     };
     (0..64)
-        .map(|i| SurfelDepth {
-            texels: std::array::from_fn(|t| texel(i, t as u32)),
-        })
+        .flat_map(|i| (0..64).map(move |t| texel(i, t)))
         .collect()
 }
-twin! {
-    depth_moments ["depth::depth_moments"], (surfel: u32, local: Vec3) -> Vec2,
-    wgsl "depth_moments(surfel, local)",
-    rust depth::depth_moments(&depths[surfel as usize], local),
-    draw |d| (d.below(64), d.upward()),
-    bound ROUNDED,
-    globals { depths: SurfelDepth = super::depths() },
+
+fn side(d: &mut Draw) -> u32 {
+    2 + d.below(7)
+}
+
+fn depth_of(texels: &[u32], surfel: u32, side: u32) -> Depth<'_> {
+    let depths = Depths::new(texels, side);
+    depths.get(surfel as usize).expect("a depth function")
 }
 twin! {
-    depth_visibility ["depth::depth_visibility"], (surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
-    wgsl "depth_visibility(surfel, pose, d)",
-    rust depth::visibility(&depths[surfel as usize], &pose, d),
-    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p)) },
+    depth_moments ["depth::depth_moments"], (surfel: u32, local: Vec3, side: u32) -> Vec2,
+    wgsl "settings.depth_side = side; return depth_moments(surfel, local);",
+    rust depth::depth_moments(super::depth_of(depths, surfel, side), local),
+    draw |d| (d.below(64), d.upward(), super::side(d)),
     bound ROUNDED,
-    globals { depths: SurfelDepth = super::depths() },
+    uses ["types::SurfelSettings"],
+    text "var<private> settings: SurfelSettings;",
+    globals { depths: u32 = super::depths() },
 }
 twin! {
-    depth_openness ["depth::depth_openness"], (surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
-    wgsl "depth_openness(surfel, pose, d)",
-    rust depth::openness(&depths[surfel as usize], &pose, d),
-    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p)) },
+    depth_visibility ["depth::depth_visibility"], (surfel: u32, pose: SurfelPose, d: Vec3, side: u32) -> f32,
+    wgsl "settings.depth_side = side; return depth_visibility(surfel, pose, d);",
+    rust depth::visibility(super::depth_of(depths, surfel, side), &pose, d),
+    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p), super::side(d)) },
     bound ROUNDED,
-    globals { depths: SurfelDepth = super::depths() },
+    uses ["types::SurfelSettings"],
+    text "var<private> settings: SurfelSettings;",
+    globals { depths: u32 = super::depths() },
 }
 twin! {
-    depth_visibility_within ["depth::depth_visibility_within"], (most: f32, surfel: u32, pose: SurfelPose, d: Vec3) -> f32,
-    wgsl "depth_visibility_within(most, surfel, pose, d)",
-    rust depth::visibility_within(most, &depths[surfel as usize], &pose, d),
-    draw |d| { let p = super::pose(d); ([0.3, 1.0, f32::MAX][d.below(3) as usize], d.below(64), p, super::to_place(d, &p)) },
+    depth_openness ["depth::depth_openness"], (surfel: u32, pose: SurfelPose, d: Vec3, side: u32) -> f32,
+    wgsl "settings.depth_side = side; return depth_openness(surfel, pose, d);",
+    rust depth::openness(super::depth_of(depths, surfel, side), &pose, d),
+    draw |d| { let p = super::pose(d); (d.below(64), p, super::to_place(d, &p), super::side(d)) },
     bound ROUNDED,
-    globals { depths: SurfelDepth = super::depths() },
+    uses ["types::SurfelSettings"],
+    text "var<private> settings: SurfelSettings;",
+    globals { depths: u32 = super::depths() },
+}
+twin! {
+    depth_visibility_within ["depth::depth_visibility_within"], (most: f32, surfel: u32, pose: SurfelPose, d: Vec3, side: u32) -> f32,
+    wgsl "settings.depth_side = side; return depth_visibility_within(most, surfel, pose, d);",
+    rust depth::visibility_within(most, super::depth_of(depths, surfel, side), &pose, d),
+    draw |d| { let p = super::pose(d); ([0.3, 1.0, f32::MAX][d.below(3) as usize], d.below(64), p, super::to_place(d, &p), super::side(d)) },
+    bound ROUNDED,
+    uses ["types::SurfelSettings"],
+    text "var<private> settings: SurfelSettings;",
+    globals { depths: u32 = super::depths() },
 }
 
 twin! {

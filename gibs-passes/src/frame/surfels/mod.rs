@@ -13,6 +13,7 @@ mod upsample;
 use super::trace::{Batch, direct_light};
 use super::{SceneInputs, SceneSizes, Settings};
 use crate::data::*;
+use crate::shared::depth;
 use crate::shared::grid::GridLayout;
 use crate::stages::*;
 use gibs_graph::{Buffer, Graph, Image, Initial, Rgba16Float, State};
@@ -87,7 +88,7 @@ struct Surfels {
     /// Where irradiance is shared: what each was told last.
     neighbours: Option<Buffer<Neighbours>>,
     /// Where depth functions guard against leaks.
-    depths: Option<Buffer<SurfelDepth>>,
+    depths: Option<Buffer<u32>>,
     /// Where rays are guided.
     guides: Option<Buffer<SurfelGuide>>,
     unseen: Buffer<u32>,
@@ -100,7 +101,7 @@ struct SurfelStates {
     irradiance: State<SurfelIrradiance>,
     light: State<SurfelLight>,
     neighbours: Option<State<Neighbours>>,
-    depths: Option<State<SurfelDepth>>,
+    depths: Option<State<u32>>,
     guides: Option<State<SurfelGuide>>,
     unseen: State<u32>,
 }
@@ -124,8 +125,8 @@ impl Surfels {
             .depth
             .then(|| {
                 // Where depth functions begin late, nothing is hidden at first.
-                let open = Initial::fill(SurfelDepth::OPEN);
-                g.state("surfel_depths", capacity, open)
+                let texels = capacity * depth::count(settings.depth_side) as u64;
+                g.state("surfel_depths", texels, Initial::fill(depth::UNKNOWN))
             })
             .unzip();
         let (unseen_state, unseen) = g.state("surfel_unseen", capacity, Initial::Zero);

@@ -1,7 +1,8 @@
 //! Tests of `shared/lookup.rs`; `simd/tests.rs` holds the wide lookups against these.
 use super::*;
-use crate::data::{SurfelDepth, SurfelSettings};
+use crate::data::SurfelSettings;
 use crate::shared::bounds;
+use crate::shared::depth::{Depths, UNKNOWN};
 use crate::shared::grid::{self, GridLayout};
 use glam::UVec2;
 
@@ -39,11 +40,12 @@ fn from(poses: &[SurfelPose], light: &[f32], averaged: bool) -> Gathered {
         lookup: 128,
         ..SurfelSettings::default()
     };
+    let depths = vec![UNKNOWN; 16 * poses.len()];
     let s = Surfels {
         cells: &cells,
         entries: &entries,
         poses,
-        depths: &vec![SurfelDepth::OPEN; poses.len()],
+        depths: Depths::new(&depths, 4),
         grid: &grid,
         settings: &settings,
     };

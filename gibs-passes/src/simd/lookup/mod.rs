@@ -175,7 +175,7 @@ fn gathers(
         if open {
             for &id in batch.lists[i].ids.iter().take(lookup::AVERAGE_OF) {
                 prefetch(s.poses, id as usize);
-                prefetch(s.depths, id as usize);
+                prefetch(s.depths.texels(), s.depths.first(id as usize));
                 prefetch(light, id as usize);
             }
         }

@@ -96,7 +96,7 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
     let mut total = 0.0;
     let soon = |id| {
         prefetch(s.poses, id);
-        prefetch(s.depths, id);
+        prefetch(s.depths.texels(), s.depths.first(id));
     };
     let eight_near = |ids: &[u32; 8], count| {
         // SAFETY: this function is compiled for AVX2.
@@ -137,7 +137,7 @@ pub fn neighbours(
             for_lanes(mask, |lane| {
                 let id = ids[lane] as usize;
                 match wanted(id) {
-                    true => prefetch(s.depths, id),
+                    true => prefetch(s.depths.texels(), s.depths.first(id)),
                     false => mask &= !(1 << lane),
                 }
             });

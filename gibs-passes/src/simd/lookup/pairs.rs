@@ -264,10 +264,8 @@ fn weigh(
     }
     for &place in weighty.hiding() {
         // SAFETY: it is the place of a pair that `append` has written.
-        prefetch(
-            s.depths,
-            unsafe { weighty.surfels[place as usize].assume_init() } as usize,
-        );
+        let surfel = unsafe { weighty.surfels[place as usize].assume_init() } as usize;
+        prefetch(s.depths.texels(), s.depths.first(surfel));
     }
 }
 

@@ -4,8 +4,9 @@ use std::arch::x86_64::*;
 
 use super::super::directions::{hemisphere, to_local};
 use super::super::lanes::{Lanes3, all, dot, positive};
-use crate::data::{SurfelDepth, SurfelPose};
-use crate::shared::{depth, lookup, mark};
+use crate::data::SurfelPose;
+use crate::shared::depth::{self, Depths};
+use crate::shared::{lookup, mark};
 
 /// Eight surfels, in columns.
 #[derive(Clone, Copy)]
@@ -20,15 +21,15 @@ pub struct Poses {
     pub mark: __m256,
 }
 
-const _: () = assert!(size_of::<SurfelPose>() == 32 && size_of::<SurfelDepth>() == 64);
+const _: () = assert!(size_of::<SurfelPose>() == 32);
 
 /// # Panics
 /// If one of eight surfels does not exist.
 #[inline(always)]
 fn check(ids: &[u32; 8], count: usize) {
     let most = ids.iter().fold(0, |most, &id| id.max(most));
-    // Indices of texels, sixteen a surfel, are signed.
-    let exists = (most as usize) < count.min(1 << 27);
+    // Indices of texels, of which a surfel has at most 64, are signed.
+    let exists = (most as usize) < count.min(1 << 25);
     assert!(exists, "surfel {most} of {count}");
 }
 
@@ -159,14 +160,14 @@ impl Poses {
     /// [`depth::visibility`].
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-    pub fn visibility(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
+    pub fn visibility(&self, depths: Depths<'_>, ids: &[u32; 8], point: &Lanes3) -> __m256 {
         self.visibility_within(f32::MAX, depths, ids, point)
     }
 
     /// [`depth::openness`].
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-    pub fn openness(&self, depths: &[SurfelDepth], ids: &[u32; 8], point: &Lanes3) -> __m256 {
+    pub fn openness(&self, depths: Depths<'_>, ids: &[u32; 8], point: &Lanes3) -> __m256 {
         self.visibility_within(1.0, depths, ids, point)
     }
 
@@ -175,7 +176,7 @@ impl Poses {
     fn visibility_within(
         &self,
         most: f32,
-        depths: &[SurfelDepth],
+        depths: Depths<'_>,
         ids: &[u32; 8],
         point: &Lanes3,
     ) -> __m256 {
@@ -200,14 +201,16 @@ impl Poses {
 /// [`depth::depth_moments`] in a direction that is clamped to the hemisphere first.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
+fn moments(depths: Depths<'_>, ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
     let (zero, half, one) = (
         _mm256_setzero_ps(),
         _mm256_set1_ps(0.5),
         _mm256_set1_ps(1.0),
     );
-    let side = _mm256_set1_ps(depth::DEPTH_SIDE as f32);
-    let last = _mm256_set1_ps(depth::DEPTH_SIDE as f32 - 1.0);
+    let count = depth::count(depths.side());
+    assert!((1..=64).contains(&count), "{count} texels");
+    let side = _mm256_set1_ps(depths.side() as f32);
+    let last = _mm256_set1_ps(depths.side() as f32 - 1.0);
     let place = |unit: __m256| _mm256_sub_ps(_mm256_mul_ps(unit, side), half);
     let [u, v] = hemisphere(&[local[0], local[1], positive(local[2])]);
     let (u, v) = (place(u), place(v));
@@ -215,20 +218,21 @@ fn moments(depths: &[SurfelDepth], ids: &[u32; 8], local: &Lanes3) -> [__m256; 2
     let (fu, fv) = (_mm256_sub_ps(u, u0), _mm256_sub_ps(v, v0));
     // The second operand is taken where the first is not a number, as by a conversion to integer.
     let clamped = |c: __m256| _mm256_cvttps_epi32(_mm256_min_ps(_mm256_max_ps(c, zero), last));
-    check(ids, depths.len());
+    check(ids, depths.texels().len() / count);
     let columns = [clamped(u0), clamped(_mm256_add_ps(u0, one))];
+    let times = |words: __m256i, by: u32| _mm256_mullo_epi32(words, _mm256_set1_epi32(by as i32));
     let rows = [
-        _mm256_slli_epi32::<2>(clamped(v0)),
-        _mm256_slli_epi32::<2>(clamped(_mm256_add_ps(v0, one))),
+        times(clamped(v0), depths.side()),
+        times(clamped(_mm256_add_ps(v0, one)), depths.side()),
     ];
     // SAFETY: the load reads the eight words of the array and needs no alignment.
     let ids = unsafe { _mm256_loadu_si256(ids.as_ptr().cast()) };
-    let first = _mm256_slli_epi32::<4>(ids);
+    let first = times(ids, count as u32);
     let texel = |row: __m256i, column: __m256i| {
         let index = _mm256_add_epi32(first, _mm256_add_epi32(row, column));
-        // SAFETY: the surfels exist and are fewer than 2^27; row and column are clamped to 0..=3, so that the index stays
-        // within the 16 texels of each, and below 2^31.
-        let words = unsafe { _mm256_i32gather_epi32::<4>(depths.as_ptr().cast(), index) };
+        // SAFETY: the surfels exist and are at most 2^25; row and column are clamped to less than the side, so that the index
+        // stays within the texels of each, 64 at most, and below 2^31.
+        let words = unsafe { _mm256_i32gather_epi32::<4>(depths.texels().as_ptr().cast(), index) };
         [
             _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xffff))),
             _mm256_cvtepi32_ps(_mm256_srli_epi32::<16>(words)),

@@ -11,8 +11,7 @@ use super::directions::{hemisphere, to_local};
 use super::lanes::{columns, loaded, positive, stored, stored_words};
 use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
-use crate::data::SurfelDepth;
-use crate::shared::depth::{DEPTH_SIDE, FARTHEST, MOMENT_SCALE, UNKNOWN};
+use crate::shared::depth::{FARTHEST, MOMENT_SCALE, UNKNOWN, count as texels_of};
 use crate::shared::requests;
 use crate::stages::update_depth::{DEPTH_SETTLES, Distances, update_each};
 
@@ -24,8 +23,8 @@ const BATCH: usize = 64;
 pub fn update_depth(
     d: &Distances<'_>,
     range: Range<usize>,
-    get: impl Fn(usize) -> SurfelDepth,
-    set: impl FnMut(usize, SurfelDepth),
+    get: impl Fn(usize) -> u32,
+    set: impl FnMut(usize, u32),
 ) {
     match Avx2::detect() {
         // SAFETY: there is a proof that the processor has the features.
@@ -38,8 +37,8 @@ pub fn update_depth(
 fn update_wide(
     d: &Distances<'_>,
     range: Range<usize>,
-    get: impl Fn(usize) -> SurfelDepth,
-    mut set: impl FnMut(usize, SurfelDepth),
+    get: impl Fn(usize) -> u32,
+    mut set: impl FnMut(usize, u32),
 ) {
     let mut batch = Batch {
         surfels: [0; BATCH],
@@ -88,8 +87,8 @@ impl Batch {
         &self,
         d: &Distances<'_>,
         count: usize,
-        get: &impl Fn(usize) -> SurfelDepth,
-        set: &mut impl FnMut(usize, SurfelDepth),
+        get: &impl Fn(usize) -> u32,
+        set: &mut impl FnMut(usize, u32),
     ) {
         if count == 0 {
             return;
@@ -103,20 +102,13 @@ impl Batch {
         }
         let (texels, distances) = (texels.as_flattened(), distances.as_flattened());
         let lessons = texels.iter().zip(distances).zip(blends.as_flattened());
-        let mut surfel = self.surfels[0];
-        let mut depth = get(surfel as usize);
-        for (&of, ((&texel, &t), &blend)) in self.surfels[..count].iter().zip(lessons) {
-            if of != surfel {
-                set(surfel as usize, depth);
-                surfel = of;
-                depth = get(surfel as usize);
-            }
+        let texels_each = texels_of(d.side);
+        for (&surfel, ((&texel, &t), &blend)) in self.surfels[..count].iter().zip(lessons) {
             if texel != NOWHERE {
-                let texel = &mut depth.texels[texel as usize & 15];
-                *texel = learn(*texel, t, blend);
+                let texel = surfel as usize * texels_each + texel as usize;
+                set(texel, learn(get(texel), t, blend));
             }
         }
-        set(surfel as usize, depth);
     }
 
     /// Texels, distances in diameters and shares of them in what the texels keep of eight rays.
@@ -137,11 +129,14 @@ impl Batch {
         let [x, y, z, t_max] = columns::<4, _>(&rays);
         let local = to_local(&[x, y, z], &poses.normal);
         let [u, v] = hemisphere(&[local[0], local[1], positive(local[2])]);
-        let side = _mm256_set1_ps(DEPTH_SIDE as f32);
-        let last = _mm256_set1_ps(DEPTH_SIDE as f32 - 1.0);
+        let side = _mm256_set1_ps(d.side as f32);
+        let last = _mm256_set1_ps(d.side as f32 - 1.0);
         // Zero for what is not a number.
         let at = |c| _mm256_cvttps_epi32(_mm256_min_ps(positive(_mm256_mul_ps(c, side)), last));
-        let texel = _mm256_add_epi32(_mm256_slli_epi32::<2>(at(v)), at(u));
+        let texel = _mm256_add_epi32(
+            _mm256_mullo_epi32(at(v), _mm256_set1_epi32(d.side as i32)),
+            at(u),
+        );
         let none = _mm256_cmp_ps::<_CMP_LE_OQ>(t_max, _mm256_setzero_ps());
         let nowhere = _mm256_set1_epi32(NOWHERE as i32);
         *texels = stored_words(_mm256_blendv_epi8(
@@ -165,8 +160,6 @@ impl Batch {
 
 /// Stands for the texel of a ray that teaches nothing.
 const NOWHERE: u32 = u32::MAX;
-
-const _: () = assert!(DEPTH_SIDE == 4);
 
 /// [`crate::stages::update_depth::learn`], both moments at once.
 #[inline]

@@ -1,9 +1,9 @@
 //! Wide depth functions have the scalar ones' bits.
 use super::super::Avx2;
 use super::update_depth;
-use crate::data::{Hit, Ray, SurfelDepth, SurfelIrradiance, SurfelPose};
+use crate::data::{Hit, Ray, SurfelIrradiance, SurfelPose};
 use crate::shared::depth::UNKNOWN;
-use crate::shared::hash::{hash2, hash3, unit};
+use crate::shared::hash::{hash2, unit};
 use crate::stages::update_depth::{Distances, update_each};
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3};
@@ -70,16 +70,14 @@ fn hit(i: u32) -> Hit {
     })
 }
 
-fn depth(i: u32) -> SurfelDepth {
-    SurfelDepth {
-        texels: std::array::from_fn(|k| match hash3(i, k as u32, 15) {
-            bits if bits & 3 == 0 => UNKNOWN,
-            bits => bits,
-        }),
+fn texel(i: u32) -> u32 {
+    match hash2(i, 15) {
+        bits if bits & 3 == 0 => UNKNOWN,
+        bits => bits,
     }
 }
 
-type Cells<'a> = &'a [Cell<SurfelDepth>];
+type Cells<'a> = &'a [Cell<u32>];
 
 #[test]
 fn wide_depth_functions_are_the_scalar_ones() {
@@ -113,7 +111,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
     let rays: Vec<Ray> = (0..count).map(ray).collect();
     let hits: Vec<Hit> = (0..count).map(hit).collect();
     let sorted: Vec<u32> = (0..count).map(|i| count - 1 - i).collect();
-    for places in [&[][..], &sorted] {
+    for (places, side) in [(&[][..], 4), (&sorted, 4), (&[], 2), (&sorted, 7), (&[], 8)] {
         let distances = Distances {
             poses: &poses,
             irradiance: &irradiance,
@@ -122,6 +120,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
             hits: &hits,
             places,
             least: 0.03,
+            side,
         };
         for group in [64, 1, SURFELS as usize] {
             let ranges = || {
@@ -131,7 +130,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
                     .map(move |start| start..all.min(start + group))
             };
             let run = |update: &dyn Fn(Range<usize>, Cells<'_>)| {
-                let mut depths: Vec<SurfelDepth> = (0..SURFELS).map(depth).collect();
+                let mut depths: Vec<u32> = (0..SURFELS * side * side).map(texel).collect();
                 let cells = Cell::from_mut(&mut depths[..]).as_slice_of_cells();
                 ranges().for_each(|range| update(range, cells));
                 depths
@@ -145,7 +144,7 @@ fn wide_depth_functions_are_the_scalar_ones() {
                 update_depth(&distances, range, get, set);
             });
             for (i, (each, wide)) in each.iter().zip(&wide).enumerate() {
-                assert_eq!(each.texels, wide.texels, "surfel {i}");
+                assert_eq!(each, wide, "side {side}, texel {i}");
             }
         }
     }
