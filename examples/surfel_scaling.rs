@@ -76,7 +76,7 @@ enum Per {
 const GROUPS: [Group; 4] = [
     (
         "grid",
-        |step| step.contains("persistent/grid") || step.contains("spawn/inject"),
+        |step| step.contains("persistent/grid") || step.contains("apply/inject"),
         Per::Surfel,
     ),
     (

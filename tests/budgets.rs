@@ -385,25 +385,32 @@ fn a_cut_every_frame_leaves_everything_sound() {
     assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
 }
 
-/// What a surfel of capacity takes from frame to frame, with everything switched on: the budget of 256 bytes. Lists of the
-/// grid, what stages hand on within a frame and what belongs to rays come on top.
+/// What a surfel of capacity takes from frame to frame, with everything switched on: the budget of 256 bytes. While a frame runs,
+/// there are lists of the grid, and what stages hand on; a grid of fixed size and what belongs to rays do not grow with the capacity.
 #[test]
-fn a_surfel_takes_at_most_256_bytes() {
+fn a_surfel_takes_at_most_256_bytes_and_160_within_a_frame() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
-    let states = |surfels: u32, guiding: bool| -> u64 {
+    let states = |surfels: u32, guiding: bool| -> (u64, u64) {
         let settings = Settings {
             surfels,
             guiding,
+            rays: 1000,
+            grid_side: 40,
             ..Settings::default()
         };
         let gi = Gi::new(&scene, &view, [64, 64], &settings, Screen::Traced).expect("compiles");
         let schedule = gi.schedule();
         let kept = schedule.resources.iter().filter(|r| r.kind.persists());
-        kept.map(|r| r.bytes * r.kind.allocations()).sum()
+        let kept = kept.map(|r| r.bytes * r.kind.allocations()).sum();
+        (kept, schedule.bytes(false))
     };
     // Inputs persist as well, but do not grow with the capacity.
     for (guiding, expected) in [(true, 256), (false, 216)] {
-        let per_surfel = (states(20_000, guiding) - states(10_000, guiding)) / 10_000;
-        assert_eq!(per_surfel, expected, "guiding {guiding}");
+        const MORE: u64 = 65_536;
+        let (few, many) = (states(65_536, guiding), states(131_072, guiding));
+        let kept = (many.0 - few.0) / MORE;
+        assert_eq!(kept, expected, "guiding {guiding}");
+        let within_a_frame = (many.1 - few.1) / MORE - kept;
+        assert_eq!(within_a_frame, 160, "guiding {guiding}");
     }
 }

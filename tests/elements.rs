@@ -32,7 +32,7 @@ fn what_is_off_has_no_stages() {
             "half-resolution" => &["select_pixels", "pack_points", "apply/upsample"],
             "hit-births" => &["spawn/hit", "hit_candidates"],
             "clamp" => &["filtering/clamped"],
-            "steering" => &[],
+            "steering" | "fallback" => &[],
             name => panic!("say here what belongs to `{name}`"),
         };
         let defaults = Settings::default();
@@ -72,7 +72,7 @@ fn the_parts_of_the_talks_frame_are_there_by_name() {
         "spawn/write_to_persistent_storage",
         "filtering/spatial",
         "filtering/temporal",
-        "spawn/inject_insert",
+        "apply/inject_insert",
         "apply/lighting_apply",
         "apply/upsample",
     ] {

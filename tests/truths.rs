@@ -1,29 +1,13 @@
 //! The reference and surfels against pictures of an independent renderer, where they lie beside the project.
 mod common;
 
-use common::cpu;
+use common::{cpu, scenes};
 use gibs::compare::{CompareOptions, compare, noise_floor};
 use gibs::gltf_import;
 use gibs::passes::frame::Settings;
 use gibs::picture::Picture;
 use gibs::reference::{ReferenceOptions, reference};
 use gibs::view::View;
-use std::path::{Path, PathBuf};
-
-/// The folder of the truths: `scenes` in what `GIBS_SHARED` names, which must be there then, or else in `../shared`.
-fn scenes() -> Option<PathBuf> {
-    let named = std::env::var_os("GIBS_SHARED").map(PathBuf::from);
-    let folder = named
-        .clone()
-        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"));
-    let found = Some(folder.join("scenes")).filter(|f| f.is_dir());
-    assert!(
-        found.is_some() || named.is_none(),
-        "GIBS_SHARED names {}, which has no folder `scenes`",
-        folder.display()
-    );
-    found
-}
 
 /// Block error within 2 % plus the noise of the truth and our own, bias within 1 %. Both noises are those of two
 /// halves: the truth comes with its own, ours are two runs with `samples` per pixel, whose mean is compared.

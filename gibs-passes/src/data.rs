@@ -168,10 +168,10 @@ element! {
         geometric_normals: u32,
         /// Texels along each side of a depth function.
         depth_side: u32,
+        /// 1 where the average of the cell makes up for what surfels do not cover.
+        fallback: u32,
         /// Zero.
-        pad0: u32,
-        /// Zero.
-        pad1: u32,
+        pad: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.

@@ -116,8 +116,8 @@ struct SurfelSettings {
     debug: u32,
     geometric_normals: u32,
     depth_side: u32,
-    pad0: u32,
-    pad1: u32,
+    fallback: u32,
+    pad: u32,
 }
 
 struct Corners {

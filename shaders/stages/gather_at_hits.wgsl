@@ -23,7 +23,7 @@ import package::types::{
 
 @if(paths)
 fn ends(i: u32) -> bool {
-    return paths[i].remaining == 0u;
+    return settings.fallback != 0u && paths[i].remaining == 0u;
 }
 @else
 fn ends(i: u32) -> bool {

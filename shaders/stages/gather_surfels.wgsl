@@ -34,7 +34,7 @@ fn main(
     let point = points[i];
     var found = Gathered();
     if surface_is_surface(point) {
-        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal), ALL, true);
+        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal), ALL, settings.fallback != 0u);
     }
     gathered[i] = found;
 }

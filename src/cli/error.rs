@@ -57,6 +57,14 @@ pub enum CommandError {
         /// What is wrong with it.
         message: String,
     },
+    /// Two options that decide about one setting.
+    #[error("`--set {key}=..` and `{option}` both decide about `{key}`; give one of them")]
+    SetTwice {
+        /// Setting.
+        key: String,
+        /// The other option.
+        option: String,
+    },
     /// An option's value.
     #[error("{option} cannot be `{value}`: {want}")]
     Value {

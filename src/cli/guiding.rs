@@ -60,6 +60,13 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         rays_per_frame: args.rays_per_frame,
         rays: args.rays,
     };
+    if args.rays < args.rays_per_frame {
+        return Err(CommandError::Value {
+            option: "--rays",
+            value: args.rays.to_string(),
+            want: format!("give at least the {} of a frame", args.rays_per_frame),
+        });
+    }
     // All of them first, so that a wrong name does not show after minutes.
     let environments = args.environments.iter().map(|name| find(name));
     let environments = environments.collect::<Result<Vec<_>, _>>()?;

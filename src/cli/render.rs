@@ -144,6 +144,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     for warning in renderer.warnings() {
         warning!("{warning}");
     }
+    if settings.rays == 0 && settings.surfels > 0 {
+        warning!("without rays no surfel learns of any light: indirect light is zero");
+    }
     let bar = progress(u64::from(args.frames), "rendering");
     renderer.frame()?;
     renderer.wait()?;

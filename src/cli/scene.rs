@@ -147,7 +147,20 @@ impl TechniqueArgs {
                     want,
                 });
             };
-            settings.set(key.trim(), value.trim())?;
+            let (key, value) = (key.trim(), value.trim());
+            let twice = |option: String| CommandError::SetTwice {
+                key: key.into(),
+                option,
+            };
+            if key == "rays" && rays.is_some() {
+                return Err(twice("--rays".into()));
+            }
+            for name in &self.without {
+                if element("--without", name)?.setting == key {
+                    return Err(twice(format!("--without {name}")));
+                }
+            }
+            settings.set(key, value)?;
         }
         Ok(settings)
     }

@@ -249,17 +249,19 @@ impl Gi {
             exec.adopt(Arc::clone(&schedule))?;
         }
         let fewer = parts.settings.surfels < self.parts.settings.surfels;
+        let others = parts.settings.depth_side != self.parts.settings.depth_side;
         (self.schedule, self.plan, self.parts) = (schedule, plan, parts);
         self.begun = false;
-        if fewer {
-            // What is there for each surfel did not carry over. What counts them did, and makes no sense without.
-            for (_, to) in adopted {
-                let resource = &self.schedule.resources[to as usize];
-                if let Kind::State(initial) = &resource.kind
-                    && resource.key.starts_with("surfel_")
-                {
-                    exec.upload(to, 0, &initial.bytes(resource.bytes as usize))?;
-                }
+        // With fewer slots, what is there for each surfel did not carry over; what counts them did, and makes no sense without.
+        // Texels of depth functions that are wider now lie elsewhere.
+        let begins_anew =
+            |key: &str| fewer && key.starts_with("surfel_") || others && key == "surfel_depths";
+        for (_, to) in adopted {
+            let resource = &self.schedule.resources[to as usize];
+            if let Kind::State(initial) = &resource.kind
+                && begins_anew(&resource.key)
+            {
+                exec.upload(to, 0, &initial.bytes(resource.bytes as usize))?;
             }
         }
         Ok(upload_scene_where(exec, &self.parts.lit.device, |key| {

@@ -4,6 +4,7 @@ use crate::harness::{SIZE, box_with_surfels, live, state, states};
 use gibs::graph::Initial;
 use gibs::passes::data::{SurfelCounters, SurfelPose};
 use gibs::passes::frame::Settings;
+use gibs::passes::shared::depth;
 use gibs::{RenderError, Renderer, builtin};
 use std::collections::BTreeSet;
 
@@ -37,6 +38,33 @@ fn more_room_keeps_every_surfel() {
             assert!(free.iter().all(is_free), "{}", backend.name());
         }
         assert!(live(&mut renderer) > had);
+    }
+}
+
+/// Wider and narrower depth functions begin anew, as if no ray had told anything, and nothing else does: their texels would be those of
+/// other surfels.
+#[test]
+fn depth_functions_of_another_size_begin_anew() {
+    for backend in all_backends() {
+        for side in [6, 3] {
+            let (_, _, mut renderer) = box_with_surfels(backend.as_ref());
+            let before = states(&mut renderer);
+            let settings = Settings {
+                depth_side: side,
+                ..settings(4000)
+            };
+            renderer.set_settings(&settings).expect("another size");
+            let mut after = states(&mut renderer);
+            let depths = after.remove("surfel_depths").expect("a state");
+            let texels = settings.slots() as usize * depth::count(side);
+            assert!(depths == vec![0xff; 4 * texels], "{}", backend.name());
+            for (key, bytes) in after {
+                assert!(before[&key] == bytes, "{key} on {}", backend.name());
+            }
+            renderer.frame().expect("a frame");
+            let depths: Vec<u32> = state(renderer.executable(), "surfel_depths");
+            assert!(depths.iter().any(|&texel| texel != depth::UNKNOWN));
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::view::View;
+use std::path::{Path, PathBuf};
 
 /// Every backend that this build has. One that the machine lacks is a failure under `GIBS_STRICT=1`; else it is
 /// reported as not run. Vulkan is watched by the validation layer where it is installed; what the layer says fails the test.
@@ -151,4 +152,19 @@ pub fn mean(picture: &Picture, layer: &str) -> f64 {
         count += 1.0;
     }
     sum / f64::max(count, 1.0)
+}
+
+/// The folder of the truths: `scenes` in what `GIBS_SHARED` names, which must be there then, or else in `../shared`.
+pub fn scenes() -> Option<PathBuf> {
+    let named = std::env::var_os("GIBS_SHARED").map(PathBuf::from);
+    let folder = named
+        .clone()
+        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"));
+    let found = Some(folder.join("scenes")).filter(|f| f.is_dir());
+    assert!(
+        found.is_some() || named.is_none(),
+        "GIBS_SHARED names {}, which has no folder `scenes`",
+        folder.display()
+    );
+    found
 }

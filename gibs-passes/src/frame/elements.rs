@@ -34,6 +34,11 @@ const fn switch(
 pub const ELEMENTS: &[TechniqueElement] = &[
     switch("depth", "depth", "depth functions"),
     switch("guiding", "guiding", "ray guiding"),
+    switch(
+        "fallback",
+        "fallback",
+        "the cell's average where surfels do not cover",
+    ),
     switch("sharing", "sharing", "irradiance shared between neighbours"),
     switch("sorting", "sorting", "ray sorting"),
     switch("steering", "steering", "ray counts by variance"),

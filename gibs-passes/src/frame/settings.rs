@@ -25,6 +25,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub depth: bool,
     /// See [`Settings::all`].
+    pub fallback: bool,
+    /// See [`Settings::all`].
     pub depth_blend: f32,
     /// See [`Settings::all`].
     pub depth_side: u32,
@@ -78,6 +80,7 @@ impl Default for Settings {
             depth: true,
             depth_blend: 0.05,
             depth_side: 4,
+            fallback: true,
             clamp: false,
             steering: true,
             guiding: false,
@@ -152,6 +155,21 @@ pub enum SettingError {
     },
 }
 
+/// Fewest cells along a side of the grid's centre cube.
+const LEAST_SIDE: u32 = 4;
+
+fn is_too_coarse(side: u32) -> bool {
+    (1..LEAST_SIDE).contains(&side)
+}
+
+fn too_coarse(side: &str) -> SettingError {
+    SettingError::Value {
+        name: "grid_side".into(),
+        value: side.into(),
+        want: format!("it takes 0 or a whole number from {LEAST_SIDE} to 64"),
+    }
+}
+
 macro_rules! settings {
     ($($name:ident: $kind:ident, $unit:literal, $least:expr, $most:expr, $about:literal;)*) => {
         impl Settings {
@@ -173,6 +191,9 @@ macro_rules! settings {
             /// # Errors
             /// An unknown name, or a value out of range.
             pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
+                if name == "grid_side" && value.parse().is_ok_and(is_too_coarse) {
+                    return Err(too_coarse(value));
+                }
                 match name {
                     $(stringify!($name) => {
                         let wrong = || SettingError::Value {
@@ -215,6 +236,9 @@ macro_rules! settings {
                         });
                     }
                 )*
+                if is_too_coarse(self.grid_side) {
+                    return Err(too_coarse(&self.grid_side.to_string()));
+                }
                 self.check_debug()
             }
         }
@@ -236,6 +260,7 @@ settings! {
     lookup: u32, "surfels", 1, 4096, "most surfels that a lookup visits in a cell";
     half_resolution: bool, "", 0.0, 1.0, "fill gaps and gather surfels at half the width and height, but for edges; else at every pixel";
     depth: bool, "", 0.0, 1.0, "depth functions, against light leaking through geometry";
+    fallback: bool, "", 0.0, 1.0, "the average of the grid's cell makes up for what surfels do not cover";
     depth_side: u32, "texels", 2, 8, "texels along each side of a depth function";
     depth_blend: f32, "", 0.001, 1.0, "share of a new distance in a depth function's texel";
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
@@ -312,9 +337,9 @@ impl Settings {
         let fitting = 2.0 / (RADII_PER_CELL * radius * pixel_angle.max(1e-6));
         let most = (self.slots() as f32 / 1024.0).sqrt() * 5.0;
         let side = if self.grid_side == 0 {
-            (fitting as u32).clamp(4, most.clamp(40.0, 64.0) as u32)
+            (fitting as u32).clamp(LEAST_SIDE, most.clamp(40.0, 64.0) as u32)
         } else {
-            self.grid_side.max(4)
+            self.grid_side.max(LEAST_SIDE)
         };
         GridLayout::new(side, self.grid_reach)
     }
@@ -339,6 +364,7 @@ impl Settings {
             lookup: self.lookup,
             depth_blend: self.depth_blend,
             depth_side: self.depth_side,
+            fallback: u32::from(self.fallback),
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
             hit_births: self.hit_births,

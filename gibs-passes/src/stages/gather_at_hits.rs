@@ -68,7 +68,8 @@ fn gather(
     };
     let (points, light) = (p.points.slice(), p.light.slice());
     let range = group.range(p.batch.count);
-    let ends = |i: usize| !p.paths.is_empty() && p.paths[i].remaining == 0;
+    let fallback = p.settings.fallback != 0;
+    let ends = |i: usize| fallback && !p.paths.is_empty() && p.paths[i].remaining == 0;
     lookup::at_points(points, range, |first, count, points| {
         let gathered = gathers(points, &|i| ends(first + i), &surfels, light);
         for (i, gathered) in (first..).zip(&gathered[..count]) {

@@ -32,14 +32,16 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     gather(p, group, |points, surfels, light| {
-        lookup::gathers(points, f32::MAX, |_| true, surfels, light)
+        let averaged = surfels.settings.fallback != 0;
+        lookup::gathers(points, f32::MAX, |_| averaged, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
     gather(p, group, |points, surfels, light| {
-        wide.gathers(points, f32::MAX, |_| true, surfels, light)
+        let averaged = surfels.settings.fallback != 0;
+        wide.gathers(points, f32::MAX, |_| averaged, surfels, light)
     });
 }
 

@@ -1,4 +1,4 @@
-//! `spawn/inject_carry`: the lists of the cells, with room for new surfels.
+//! `apply/inject_carry`: the lists of the cells, with room for new surfels.
 use crate::shared::lists;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;

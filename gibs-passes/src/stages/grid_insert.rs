@@ -1,4 +1,4 @@
-//! `spawn/inject_insert`: new surfels into the lists of their cells.
+//! `apply/inject_insert`: new surfels into the lists of their cells.
 use crate::data::{GridShape, NONE, SurfelPose};
 use crate::shared::grid;
 use gibs_graph::{Comparator, Lists, Ports, Workgroup, stage};

@@ -1,4 +1,4 @@
-//! `spawn/inject_leave`: how many of each cell's list stay.
+//! `apply/inject_leave`: how many of each cell's list stay.
 use crate::shared::lists;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;

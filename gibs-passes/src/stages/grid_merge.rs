@@ -1,4 +1,4 @@
-//! `spawn/inject_merge`: the lists of cells with new surfels, in order.
+//! `apply/inject_merge`: the lists of cells with new surfels, in order.
 use super::grid_order::{bounds_of, is_before, sort};
 use crate::data::{GridShape, SurfelPose};
 use crate::shared::bounds;

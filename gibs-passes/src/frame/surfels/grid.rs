@@ -126,7 +126,7 @@ pub(super) fn inject(
     let cells = || Dispatch::Elements(listed);
     let places = || Dispatch::Elements(claims.len());
     let counts = g
-        .add::<grid_leave::GridLeave>("spawn/inject_leave", inputs, cells())
+        .add::<grid_leave::GridLeave>("apply/inject_leave", inputs, cells())
         .counts;
     let inputs = grid_count::Inputs {
         grid: &grid.shape,
@@ -135,9 +135,9 @@ pub(super) fn inject(
         counts,
     };
     let counts = g
-        .add::<grid_count::GridCount>("spawn/inject_count", inputs, places())
+        .add::<grid_count::GridCount>("apply/inject_count", inputs, places())
         .counts;
-    let (starts, _) = exclusive_scan(g, "spawn/inject_scan", &counts);
+    let (starts, _) = exclusive_scan(g, "apply/inject_scan", &counts);
     let (new_cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
     let inputs = grid_carry::Inputs {
         gone,
@@ -149,7 +149,7 @@ pub(super) fn inject(
         cells: new_cells,
         overflow: grid.overflow,
     };
-    let carried = g.add::<grid_carry::GridCarry>("spawn/inject_carry", inputs, cells());
+    let carried = g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, cells());
     let inputs = grid_insert::Inputs {
         grid: &grid.shape,
         poses,
@@ -158,7 +158,7 @@ pub(super) fn inject(
         born: g.zeroed("injected", listed),
         entries: carried.entries,
     };
-    let inserted = g.add::<grid_insert::GridInsert>("spawn/inject_insert", inputs, places());
+    let inserted = g.add::<grid_insert::GridInsert>("apply/inject_insert", inputs, places());
     let inputs = grid_merge::Inputs {
         grid: &grid.shape,
         poses,
@@ -167,7 +167,7 @@ pub(super) fn inject(
         entries: inserted.entries,
     };
     let entries = g
-        .add::<grid_merge::GridMerge>("spawn/inject_merge", inputs, cells())
+        .add::<grid_merge::GridMerge>("apply/inject_merge", inputs, cells())
         .entries;
     Grid {
         shape: grid.shape,
