@@ -96,7 +96,7 @@ fn counts_are_those_of_the_frame() {
         let groups: Vec<&str> = profile.groups.iter().map(|g| g.name.as_str()).collect();
         assert_eq!(
             groups,
-            ["gbuffer", "persistent", "spawn", "filtering", "apply"]
+            ["gbuffer", "persistent", "spawn", "apply", "filtering"]
         );
         assert!(profile.counters.live > 0 && profile.counters.rays > 0);
 
