@@ -84,6 +84,16 @@ fn a_render_writes_its_channels_a_preview_and_a_summary() {
 }
 
 #[test]
+fn a_render_without_rays_says_what_that_means() {
+    let folder = Folder::new("no-rays");
+    let output = render(&folder.path("box.exr"), &["--rays", "0"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("indirect light is zero"));
+    let output = render(&folder.path("box.exr"), &[]);
+    assert!(!stderr(&output).contains("indirect light is zero"));
+}
+
+#[test]
 fn a_pipe_sees_no_progress_bar() {
     let folder = Folder::new("pipe");
     let output = render(&folder.path("box.png"), &[]);

@@ -98,8 +98,47 @@ fn bad_backends_and_settings_list_what_there_is() {
         &["--without", "`gravity`", "depth"],
     );
     refused(
+        &["graph", "cornell", "--set", "grid_side=3"],
+        &["`grid_side`", "`3`", "from 4 to 64"],
+    );
+    refused(
         &["render", "cornell", "--frames", "0"],
         &["--frames", "'0'"],
+    );
+}
+
+/// Which of the two would win is nothing to guess.
+#[test]
+fn two_options_about_one_setting_are_refused() {
+    refused(
+        &[
+            "graph",
+            "cornell",
+            "--without",
+            "clamp,sharing",
+            "--set",
+            "sharing=on",
+        ],
+        &["`sharing`", "`--without sharing`"],
+    );
+    refused(
+        &[
+            "graph",
+            "cornell",
+            "--without",
+            "continuation",
+            "--set",
+            "continuations=2",
+        ],
+        &["`continuations`", "`--without continuation`"],
+    );
+    refused(
+        &["render", "cornell", "--rays", "100", "--set", "rays=200"],
+        &["`rays`", "`--rays`"],
+    );
+    refused(
+        &["guiding", "sun", "--rays", "7", "--rays-per-frame", "8"],
+        &["--rays", "`7`", "at least the 8"],
     );
 }
 
@@ -115,6 +154,7 @@ fn settings_files_are_held_to_the_same_rules() {
     for (file, text, part) in [
         ("key.toml", "rayz = 500", "rayz"),
         ("range.toml", "radius = 1000.0", "radius"),
+        ("side.toml", "grid_side = 3", "grid_side"),
         ("kind.toml", "depth = 3", "depth"),
         ("syntax.toml", "rays =", "line 1"),
     ] {

@@ -105,6 +105,8 @@ pub fn cases(
                 guiding: view == DebugView::Guide,
                 // Rays are shared out with and without the neighbours' word.
                 sharing: view != DebugView::RayCount,
+                // Points are gathered with and without the cell's average.
+                fallback: view != DebugView::Coverage,
                 ..usual.clone()
             };
             let name = format!("{name}, debug view {view}");
