@@ -3,12 +3,11 @@ mod common;
 
 use common::{all_backends, cpu, settings};
 use gibs::graph::{Backend, DispatchArgs, Element};
-use gibs::passes::data::{
-    DebugPixel, GridShape, SurfacePoint, SurfelGuide, SurfelIrradiance, SurfelPose,
-};
+use gibs::passes::data::{DebugPixel, GridShape, SurfacePoint, SurfelIrradiance, SurfelPose};
 use gibs::passes::frame::{DebugScale, DebugView, Settings};
 use gibs::passes::shared::depth::Depths;
-use gibs::passes::shared::{depth, grid, guide, lookup, octahedral, sampling, surface};
+use gibs::passes::shared::guide::Guides;
+use gibs::passes::shared::{depth, grid, lookup, octahedral, sampling, surface};
 use gibs::picture::{OUTSIDE_COLOR, cool_warm, inferno};
 use gibs::{DebugPicture, RenderError, Renderer, builtin};
 use glam::{UVec2, Vec3, Vec4};
@@ -376,7 +375,8 @@ fn guides_are_drawn_on_discs() {
     let slots = slots(12);
     let mut renderer = rendered(DebugView::Guide, 12);
     let poses: Vec<SurfelPose> = buffer(&mut renderer, "surfel_poses");
-    let guides: Vec<SurfelGuide> = buffer(&mut renderer, "surfel_guides");
+    let guides: Vec<u32> = buffer(&mut renderer, "surfel_guides");
+    let guides = Guides::new(&guides, Settings::default().guide_side);
     let points: Vec<SurfacePoint> = renderer.output("points").expect("an output");
     let states: Vec<SurfelIrradiance> = buffer(&mut renderer, "surfel_irradiance");
     let (mut met, mut bright) = (0, 0);
@@ -384,8 +384,9 @@ fn guides_are_drawn_on_discs() {
         if value < 0.0 || states[slot as usize].samples == 0 {
             continue;
         }
-        let (pose, texels) = (&poses[slot as usize], &guides[slot as usize]);
-        let has = |i: u32| guide::texel(texels, i) as f32 / 255.0 == value;
+        let pose = &poses[slot as usize];
+        let guide = guides.get(slot as usize).expect("there");
+        let has = |i: u32| guide.texel(i) as f32 / 255.0 == value;
         assert!((0..36).any(has), "{value} is no texel of surfel {slot}");
         if (point.position - pose.position).length() < 0.1 * pose.radius {
             assert!(

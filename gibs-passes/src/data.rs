@@ -170,8 +170,8 @@ element! {
         depth_side: u32,
         /// 1 where the average of the cell makes up for what surfels do not cover.
         fallback: u32,
-        /// Zero.
-        pad: u32,
+        /// Texels along each side of a guide.
+        guide_side: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -416,16 +416,6 @@ element! {
         cosine: f32,
         /// Density of the ray over the lobe there, 1/sr; negative where the ray was sent to an emitter.
         density: f32,
-    }
-
-    /// The guide of a surfel (GIBS, "Ray Guiding"): 6x6 bytes of relative luminance over its hemisphere,
-    /// as roots of mean squares.
-    pub struct SurfelGuide {
-        /// Four texels each, row by row, the first in the lowest byte.
-        texels: [u32; 9],
-        /// Luminance of one step, the upper half of an `f32`, in bits 16-31; six bits of the surfel's identity in bits
-        /// 10-15; rays learned from, in fours, in bits 0-9.
-        scale: u32,
     }
 
     /// A pixel of the reference: its path, and the sum of the finished ones.

@@ -117,7 +117,7 @@ struct SurfelSettings {
     geometric_normals: u32,
     depth_side: u32,
     fallback: u32,
-    pad: u32,
+    guide_side: u32,
 }
 
 struct Corners {
@@ -256,11 +256,6 @@ struct Path {
     remaining: u32,
     cosine: f32,
     density: f32,
-}
-
-struct SurfelGuide {
-    texels: array<u32, 9>,
-    scale: u32,
 }
 
 struct ReferencePath {

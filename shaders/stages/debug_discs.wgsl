@@ -13,8 +13,7 @@ import package::octahedral::octahedral_unpack;
 import package::sampling::sampling_to_local;
 import package::surface::surface_is_surface;
 import package::types::{
-    Camera, DebugPixel, DispatchArgs, F32_MAX, GridShape, NONE, SurfacePoint, SurfelGuide, SurfelPose,
-    SurfelSettings
+    Camera, DebugPixel, DispatchArgs, F32_MAX, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings
 };
 import package::vector::{vector_dot, vector_length};
 
@@ -28,7 +27,7 @@ import package::vector::{vector_dot, vector_length};
 @group(0) @binding(7) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(8) var<storage, read> values: array<f32>;
 @if(depths) @group(0) @binding(9) var<storage, read> depths: array<u32>;
-@if(guides) @group(0) @binding(10) var<storage, read> guides: array<SurfelGuide>;
+@if(guides) @group(0) @binding(10) var<storage, read> guides: array<u32>;
 @group(0) @binding(11) var<storage, read_write> debug: array<DebugPixel>;
 
 /// How much a disc darkens to its rim in the view that shows discs as such.

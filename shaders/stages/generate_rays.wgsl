@@ -10,7 +10,7 @@ import package::mixture::mixture_goes_to_emitter;
 import package::sampling::{sampling_r2, sampling_start};
 @if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
 import package::types::{
-    Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose, SurfelSettings
+    Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings
 };
 @if(guides) import package::types::F32_MAX;
 
@@ -21,7 +21,7 @@ import package::types::{
 @group(0) @binding(4) var<storage, read> irradiance: array<SurfelIrradiance>;
 @group(0) @binding(5) var<storage, read> spans: array<vec2<u32>>;
 @if(emitters) @group(0) @binding(6) var<storage, read> emitters: array<Emitter>;
-@if(guides) @group(0) @binding(7) var<storage, read> guides: array<SurfelGuide>;
+@if(guides) @group(0) @binding(7) var<storage, read> guides: array<u32>;
 @group(0) @binding(8) var<storage, read_write> rays: array<Ray>;
 @group(0) @binding(9) var<storage, read_write> paths: array<Path>;
 

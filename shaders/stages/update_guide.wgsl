@@ -2,25 +2,26 @@
 import package::estimator::estimator_luminance;
 import package::grid::grid_cell;
 import package::guide::{
-    GUIDE_MOST_STEPS, GUIDE_RAYS_STEP, GUIDE_TEXELS, guide_probability, guide_rays, guide_share, guide_tag, guide_texel,
-    guide_texel_of, guide_total
+    GUIDE_MOST_STEPS, GUIDE_MOST_TEXELS, GUIDE_RAYS_STEP, guide_first, guide_probability, guide_rays, guide_share,
+    guide_tag, guide_texel, guide_texel_of, guide_texels, guide_total
 };
 import package::hash::{hash_hash2, hash_hash3, hash_pcg, hash_unit};
 import package::invocation::invocation_index;
 import package::mark::mark_identity;
 import package::sampling::sampling_to_local;
-import package::types::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
+import package::types::{Frame, GridShape, Path, Ray, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> grid: GridShape;
-@group(0) @binding(2) var<storage, read> cells: array<vec2<u32>>;
-@group(0) @binding(3) var<storage, read> entries: array<u32>;
-@group(0) @binding(4) var<storage, read> poses: array<SurfelPose>;
-@group(0) @binding(5) var<storage, read> spans: array<vec2<u32>>;
-@group(0) @binding(6) var<storage, read> rays: array<Ray>;
-@group(0) @binding(7) var<storage, read> paths: array<Path>;
-@group(0) @binding(8) var<storage, read> radiance: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> guides: array<SurfelGuide>;
+@group(0) @binding(2) var<uniform> settings: SurfelSettings;
+@group(0) @binding(3) var<storage, read> cells: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read> entries: array<u32>;
+@group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
+@group(0) @binding(6) var<storage, read> spans: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> rays: array<Ray>;
+@group(0) @binding(8) var<storage, read> paths: array<Path>;
+@group(0) @binding(9) var<storage, read> radiance: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read_write> guides: array<u32>;
 
 const PI: f32 = 3.1415927;
 /// Rays up to which new ones move all texels towards their mean.
@@ -52,18 +53,20 @@ fn main(
         return;
     }
     let cell = cells[grid_cell(pose.position, grid)];
+    let first_word = guide_first(i);
+    let texels = guide_texels();
     let known = guide_rays(i, mark_identity(pose.mark));
     var old_step = 0.0;
     var total = 0.0;
     var share = 0.0;
     if known > 0u {
-        old_step = bitcast<f32>(guides[i].scale & 0xffff0000u);
+        old_step = bitcast<f32>(guides[first_word] & 0xffff0000u);
         total = guide_total(i);
         share = guide_share(i, mark_identity(pose.mark), total);
     }
     // Mean squares of luminance.
-    var squares: array<f32, GUIDE_TEXELS>;
-    for (var t = 0u; t < GUIDE_TEXELS; t++) {
+    var squares: array<f32, GUIDE_MOST_TEXELS>;
+    for (var t = 0u; t < texels; t++) {
         let luminance = f32(guide_texel(i, t)) * old_step;
         squares[t] = luminance * luminance;
     }
@@ -107,12 +110,12 @@ fn main(
     if known < PRIOR_RAYS {
         let mean = sum / f32(count);
         let part = f32(count) / f32(learned);
-        for (var t = 0u; t < GUIDE_TEXELS; t++) {
+        for (var t = 0u; t < texels; t++) {
             squares[t] += (mean - squares[t]) * part;
         }
     }
     var brightest = 0.0;
-    for (var t = 0u; t < GUIDE_TEXELS; t++) {
+    for (var t = 0u; t < texels; t++) {
         squares[t] = sqrt(max(squares[t], 0.0));
         brightest = max(brightest, squares[t]);
     }
@@ -120,15 +123,19 @@ fn main(
     // The step is rounded up, so that the brightest texel still fits.
     let bits = (bitcast<u32>(brightest / 255.0) + 0xffffu) & 0xffff0000u;
     let step = bitcast<f32>(bits);
-    var packed: SurfelGuide;
-    packed.scale = min((learned + GUIDE_RAYS_STEP - 1u) / GUIDE_RAYS_STEP, GUIDE_MOST_STEPS);
-    packed.scale |= guide_tag(mark_identity(pose.mark)) << 10u;
-    if brightest > 0.0 && step > 0.0 {
-        packed.scale |= bits;
-        for (var t = 0u; t < GUIDE_TEXELS; t++) {
-            let value = min(u32(squares[t] / step + hash_unit(hash_hash2(seed, t))), 255u);
-            packed.texels[t / 4u] |= value << (t % 4u * 8u);
-        }
+    var scale = min((learned + GUIDE_RAYS_STEP - 1u) / GUIDE_RAYS_STEP, GUIDE_MOST_STEPS);
+    scale |= guide_tag(mark_identity(pose.mark)) << 10u;
+    let is_lit = brightest > 0.0 && step > 0.0;
+    if is_lit {
+        scale |= bits;
     }
-    guides[i] = packed;
+    guides[first_word] = scale;
+    for (var t = 0u; t < texels; t += 4u) {
+        var word = 0u;
+        for (var k = 0u; k < 4u && is_lit; k++) {
+            let value = min(u32(squares[t + k] / step + hash_unit(hash_hash2(seed, t + k))), 255u);
+            word |= value << (k * 8u);
+        }
+        guides[first_word + 1u + t / 4u] = word;
+    }
 }

@@ -5,6 +5,7 @@ use crate::backends::{self, Choice};
 use crate::guiding::{self, Options, Row};
 use crate::picture::replace_file;
 use crate::view::load_environment;
+use gibs_passes::frame::{SettingError, Settings};
 use gibs_passes::scene::EnvironmentMap;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,9 @@ pub struct Args {
     /// Rays of a probe in a frame
     #[arg(long, value_name = "N", default_value_t = Options::default().rays_per_frame, value_parser = clap::value_parser!(u32).range(1..=256))]
     rays_per_frame: u32,
+    /// Texels along each side of a guide: 2, 4, 6 or 8
+    #[arg(long, value_name = "N", default_value_t = Options::default().guide_side, value_parser = guide_side)]
+    guide_side: u32,
     /// Write a plot for each environment, and all figures as guiding.csv, into this folder
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -48,7 +52,18 @@ struct Measured {
     probes: u32,
     seeds: u32,
     rays_per_frame: u32,
+    guide_side: u32,
     rows: Vec<Row>,
+}
+
+/// What the setting of this name takes.
+fn guide_side(text: &str) -> Result<u32, String> {
+    let mut settings = Settings::default();
+    match settings.set("guide_side", text) {
+        Ok(()) => Ok(settings.guide_side),
+        Err(SettingError::Value { want, .. }) => Err(want),
+        Err(other) => Err(other.to_string()),
+    }
 }
 
 /// Runs the command.
@@ -59,6 +74,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         per_place: args.per_place,
         rays_per_frame: args.rays_per_frame,
         rays: args.rays,
+        guide_side: args.guide_side,
     };
     if args.rays < args.rays_per_frame {
         return Err(CommandError::Value {
@@ -82,6 +98,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             probes: args.probes,
             seeds: args.seeds,
             rays_per_frame: args.rays_per_frame,
+            guide_side: args.guide_side,
         };
         if !args.json {
             say!(

@@ -249,13 +249,17 @@ impl Gi {
             exec.adopt(Arc::clone(&schedule))?;
         }
         let fewer = parts.settings.surfels < self.parts.settings.surfels;
-        let others = parts.settings.depth_side != self.parts.settings.depth_side;
+        let other_depths = parts.settings.depth_side != self.parts.settings.depth_side;
+        let other_guides = parts.settings.guide_side != self.parts.settings.guide_side;
         (self.schedule, self.plan, self.parts) = (schedule, plan, parts);
         self.begun = false;
         // With fewer slots, what is there for each surfel did not carry over; what counts them did, and makes no sense without.
-        // Texels of depth functions that are wider now lie elsewhere.
-        let begins_anew =
-            |key: &str| fewer && key.starts_with("surfel_") || others && key == "surfel_depths";
+        // Texels of depth functions and guides that are wider now lie elsewhere.
+        let begins_anew = |key: &str| match key {
+            "surfel_depths" if other_depths => true,
+            "surfel_guides" if other_guides => true,
+            _ => fewer && key.starts_with("surfel_"),
+        };
         for (_, to) in adopted {
             let resource = &self.schedule.resources[to as usize];
             if let Kind::State(initial) = &resource.kind

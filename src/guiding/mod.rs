@@ -35,6 +35,8 @@ pub struct Options {
     pub rays_per_frame: u32,
     /// Rays of a probe in all.
     pub rays: u32,
+    /// Texels along each side of a guide: 2, 4, 6 or 8.
+    pub guide_side: u32,
 }
 
 impl Default for Options {
@@ -45,6 +47,7 @@ impl Default for Options {
             per_place: 9,
             rays_per_frame: 8,
             rays: 1024,
+            guide_side: 6,
         }
     }
 }
@@ -123,7 +126,7 @@ fn run(
         normals: (0..options.seeds).flat_map(|_| normals.to_vec()).collect(),
         per_place: options.per_place,
         rays: options.rays_per_frame,
-        guided,
+        guide_side: guided.then_some(options.guide_side),
     };
     let mut g = Graph::new("probes");
     probe_frame(&mut g, &frame, sky);

@@ -4,7 +4,7 @@ use crate::harness::{SIZE, box_with_surfels, live, state, states};
 use gibs::graph::Initial;
 use gibs::passes::data::{SurfelCounters, SurfelPose};
 use gibs::passes::frame::Settings;
-use gibs::passes::shared::depth;
+use gibs::passes::shared::{depth, guide};
 use gibs::{RenderError, Renderer, builtin};
 use std::collections::BTreeSet;
 
@@ -64,6 +64,38 @@ fn depth_functions_of_another_size_begin_anew() {
             renderer.frame().expect("a frame");
             let depths: Vec<u32> = state(renderer.executable(), "surfel_depths");
             assert!(depths.iter().any(|&texel| texel != depth::UNKNOWN));
+        }
+    }
+}
+
+/// So do guides.
+#[test]
+fn guides_of_another_size_begin_anew() {
+    for backend in all_backends() {
+        let (_, _, mut renderer) = box_with_surfels(backend.as_ref());
+        let guided = Settings {
+            guiding: true,
+            ..settings(4000)
+        };
+        renderer.set_settings(&guided).expect("guides");
+        for side in [8, 2] {
+            for _ in 0..3 {
+                renderer.frame().expect("a frame");
+            }
+            let before = states(&mut renderer);
+            assert!(before["surfel_guides"].iter().any(|&byte| byte != 0));
+            let other = Settings {
+                guide_side: side,
+                ..guided.clone()
+            };
+            renderer.set_settings(&other).expect("another size");
+            let mut after = states(&mut renderer);
+            let guides = after.remove("surfel_guides").expect("a state");
+            let words = guided.slots() as usize * guide::words(side);
+            assert!(guides == vec![0; 4 * words], "{}", backend.name());
+            for (key, bytes) in after {
+                assert!(before[&key] == bytes, "{key} on {}", backend.name());
+            }
         }
     }
 }

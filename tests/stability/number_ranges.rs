@@ -6,7 +6,7 @@ use super::measure::{U, draw, levels, settings};
 use super::pictures;
 use gibs::passes::data::SurfacePoint;
 use gibs::passes::scene::{Material, Sampler, Sun, Texture, TextureRef};
-use gibs::passes::shared::guide::{self, MOST_LUMINANCE, TEXELS};
+use gibs::passes::shared::guide::{self, Guide, MOST_LUMINANCE};
 use gibs::passes::shared::surface::{albedo, pack_albedo, unorm16};
 use glam::{Affine2, DVec3, Vec2, Vec3};
 
@@ -51,6 +51,7 @@ fn packed_albedo_has_exact_ends() {
 #[test]
 fn guides_hold_every_luminance() {
     const IDENTITY: u32 = 5;
+    const SIDE: u32 = 6;
     for brightest in [
         0.0,
         1e-45,
@@ -62,16 +63,17 @@ fn guides_hold_every_luminance() {
         1e30,
         f32::MAX,
     ] {
-        let mut luminances = [0.0; TEXELS];
+        let mut luminances = [0.0; (SIDE * SIDE) as usize];
         luminances[7] = brightest;
         luminances[20] = brightest * 0.5;
-        let packed = guide::pack(&luminances, IDENTITY, 1000, |_| 0.5);
-        let (back, total) = (guide::unpack(&packed), guide::total(&packed));
+        let words = guide::pack(&luminances, IDENTITY, 1000, |_| 0.5);
+        let packed = Guide::new(&words, SIDE);
+        let (back, total) = (packed.unpack(), packed.total());
         assert!(
             back.iter().all(|x| x.is_finite() && *x >= 0.0),
             "{brightest}"
         );
-        let share = guide::share(&packed, IDENTITY, total);
+        let share = packed.share(IDENTITY, total);
         assert!(
             (0.0..=guide::MOST_GUIDED).contains(&share),
             "{brightest}: {share}"
@@ -79,8 +81,8 @@ fn guides_hold_every_luminance() {
         if (1e-30..=MOST_LUMINANCE).contains(&brightest) {
             let off = (f64::from(back[7]) / f64::from(brightest) - 1.0).abs();
             assert!(off <= 1.0 / 128.0 + 0.5 / 255.0, "{brightest}: {off}");
-            let sum: f32 = (0..TEXELS as u32)
-                .map(|i| guide::probability(&packed, total, share, i))
+            let sum: f32 = (0..packed.texels())
+                .map(|i| packed.probability(total, share, i))
                 .sum();
             assert!((sum - 1.0).abs() < 1e-5, "{brightest}: {sum}");
             println!(

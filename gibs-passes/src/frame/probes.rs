@@ -3,7 +3,7 @@ use super::upload;
 use crate::data::*;
 use crate::device::EnvironmentTable;
 use crate::shared::grid::{self, GridLayout};
-use crate::shared::{batch, hash, mark};
+use crate::shared::{batch, guide, hash, mark};
 use crate::stages::*;
 use gibs_graph::{BackendError, Dispatch, DispatchArgs, Executable, Graph, Initial};
 use glam::{UVec2, Vec3};
@@ -28,8 +28,8 @@ pub struct ProbeFrame {
     pub per_place: u32,
     /// Rays of each probe and frame.
     pub rays: u32,
-    /// Rays follow guides.
-    pub guided: bool,
+    /// Texels along each side of the guides that rays follow: 2, 4, 6 or 8; `None` where they follow none.
+    pub guide_side: Option<u32>,
 }
 
 impl ProbeFrame {
@@ -57,8 +57,8 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
     let environment = g.input("environment", sky.texels.len() as u64);
     let (irradiance_state, irradiance) = g.state("irradiance", probes, Initial::Zero);
     let (guides_state, guides) = frame
-        .guided
-        .then(|| g.state("guides", probes, Initial::Zero))
+        .guide_side
+        .map(|side| g.state("guides", probes * guide::words(side) as u64, Initial::Zero))
         .unzip();
     let rays = g.transient("rays", most);
     let paths = g.transient("paths", most);
@@ -106,6 +106,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             update_guide::Inputs {
                 frame: &device_frame,
                 grid: &shape,
+                settings: &settings,
                 cells: &cells,
                 entries: &entries,
                 poses: &poses,
@@ -184,6 +185,7 @@ pub fn upload_probes(
     let settings = SurfelSettings {
         capacity: probes,
         ray_budget: probes * frame.rays,
+        guide_side: frame.guide_side.unwrap_or_default(),
         ..SurfelSettings::default()
     };
     let missed = SurfacePoint {

@@ -37,6 +37,8 @@ pub struct Settings {
     /// See [`Settings::all`].
     pub guiding: bool,
     /// See [`Settings::all`].
+    pub guide_side: u32,
+    /// See [`Settings::all`].
     pub emitters: bool,
     /// See [`Settings::all`].
     pub sharing: bool,
@@ -84,6 +86,7 @@ impl Default for Settings {
             clamp: false,
             steering: true,
             guiding: false,
+            guide_side: 6,
             emitters: true,
             sharing: true,
             sorting: false,
@@ -158,15 +161,14 @@ pub enum SettingError {
 /// Fewest cells along a side of the grid's centre cube.
 const LEAST_SIDE: u32 = 4;
 
-fn is_too_coarse(side: u32) -> bool {
-    (1..LEAST_SIDE).contains(&side)
-}
-
-fn too_coarse(side: &str) -> SettingError {
-    SettingError::Value {
-        name: "grid_side".into(),
-        value: side.into(),
-        want: format!("it takes 0 or a whole number from {LEAST_SIDE} to 64"),
+/// What a setting takes where a number within its range is none that it takes.
+fn gap(name: &str, number: f64) -> Option<String> {
+    match name {
+        "grid_side" if number > 0.0 && number < f64::from(LEAST_SIDE) => Some(format!(
+            "it takes 0 or a whole number from {LEAST_SIDE} to 64"
+        )),
+        "guide_side" if number % 2.0 != 0.0 => Some("it takes 2, 4, 6 or 8".into()),
+        _ => None,
     }
 }
 
@@ -191,20 +193,21 @@ macro_rules! settings {
             /// # Errors
             /// An unknown name, or a value out of range.
             pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
-                if name == "grid_side" && value.parse().is_ok_and(is_too_coarse) {
-                    return Err(too_coarse(value));
-                }
                 match name {
                     $(stringify!($name) => {
-                        let wrong = || SettingError::Value {
+                        let wrong = |want| SettingError::Value {
                             name: name.into(),
                             value: value.into(),
-                            want: settings!(@want $kind, $least, $most),
+                            want,
                         };
-                        let parsed = settings!(@parse $kind value).ok_or_else(wrong)?;
+                        let want = || settings!(@want $kind, $least, $most);
+                        let parsed = settings!(@parse $kind value).ok_or_else(|| wrong(want()))?;
                         let number = settings!(@number $kind parsed);
                         if !(f64::from($least as f32)..=f64::from($most as f32)).contains(&number) {
-                            return Err(wrong());
+                            return Err(wrong(want()));
+                        }
+                        if let Some(want) = gap(name, number) {
+                            return Err(wrong(want));
                         }
                         self.$name = parsed;
                         Ok(())
@@ -228,17 +231,19 @@ macro_rules! settings {
             pub fn check(&self) -> Result<(), SettingError> {
                 $(
                     let number = settings!(@number $kind self.$name);
-                    if !(f64::from($least as f32)..=f64::from($most as f32)).contains(&number) {
+                    let range = f64::from($least as f32)..=f64::from($most as f32);
+                    let want = match range.contains(&number) {
+                        true => gap(stringify!($name), number),
+                        false => Some(settings!(@want $kind, $least, $most)),
+                    };
+                    if let Some(want) = want {
                         return Err(SettingError::Value {
                             name: stringify!($name).into(),
                             value: self.$name.to_string(),
-                            want: settings!(@want $kind, $least, $most),
+                            want,
                         });
                     }
                 )*
-                if is_too_coarse(self.grid_side) {
-                    return Err(too_coarse(&self.grid_side.to_string()));
-                }
                 self.check_debug()
             }
         }
@@ -266,6 +271,7 @@ settings! {
     clamp: bool, "", 0.0, 1.0, "clamp fireflies in the estimator";
     steering: bool, "", 0.0, 1.0, "give rays to surfels by how uncertain they are; else alike";
     guiding: bool, "", 0.0, 1.0, "draw rays by what each surfel has learned about where light comes from";
+    guide_side: u32, "texels", 2, 8, "texels along each side of a guide, an even number";
     emitters: bool, "", 0.0, 1.0, "send a share of the rays to emissive triangles";
     sharing: bool, "", 0.0, 1.0, "let uncertain surfels look up the irradiance of their neighbours";
     sorting: bool, "", 0.0, 1.0, "sort rays by where they begin and where they go, before they are traced";
@@ -364,6 +370,7 @@ impl Settings {
             lookup: self.lookup,
             depth_blend: self.depth_blend,
             depth_side: self.depth_side,
+            guide_side: self.guide_side,
             fallback: u32::from(self.fallback),
             clamp: u32::from(self.clamp),
             continuations: self.continuations,
@@ -372,7 +379,6 @@ impl Settings {
             steered: u32::from(self.steering),
             debug: self.debug.map_or(0, DebugView::number),
             stride: self.stride(),
-            ..SurfelSettings::default()
         }
     }
 }
@@ -416,5 +422,27 @@ mod tests {
                 .to_string()
                 .contains("gibs settings")
         );
+    }
+
+    /// Numbers within a range that are not taken, from text and from a file.
+    #[test]
+    fn gaps_in_ranges_are_refused() {
+        for (name, wrong, right, want) in [
+            ("guide_side", "7", "8", "2, 4, 6 or 8"),
+            ("grid_side", "3", "4", "0 or a whole number from 4"),
+        ] {
+            let mut s = Settings::default();
+            let refused = s.set(name, wrong).unwrap_err().to_string();
+            assert!(refused.contains(want), "{refused}");
+            assert_eq!(s, Settings::default());
+            s.set(name, right).expect("taken");
+            s.check().expect("taken");
+            match name {
+                "guide_side" => s.guide_side = 7,
+                _ => s.grid_side = 3,
+            }
+            let refused = s.check().unwrap_err().to_string();
+            assert!(refused.contains(want), "{refused}");
+        }
     }
 }

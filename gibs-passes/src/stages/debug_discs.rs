@@ -1,10 +1,9 @@
 //! `debug/discs`: surfels on the surfaces that the pixels see, as a debug view shows them (F3).
-use crate::data::{
-    Camera, DebugPixel, GridShape, SurfacePoint, SurfelGuide, SurfelPose, SurfelSettings,
-};
+use crate::data::{Camera, DebugPixel, GridShape, SurfacePoint, SurfelPose, SurfelSettings};
 use crate::shared::debug::{self, DebugView};
 use crate::shared::depth::{Depth, Depths};
-use crate::shared::{depth as depths, guide, lists, lookup, octahedral, sampling, surface};
+use crate::shared::guide::{Guide, Guides};
+use crate::shared::{depth as depths, lists, lookup, octahedral, sampling, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
 use glam::{UVec2, Vec3};
 
@@ -26,7 +25,7 @@ stage! {
             read poses: SurfelPose,
             read values: f32,
             optional_read depths: u32,
-            optional_read guides: SurfelGuide,
+            optional_read guides: u32,
             write debug: DebugPixel,
         },
         cpu: kernel,
@@ -52,14 +51,14 @@ fn mean_distance(depth: Depth<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
 }
 
 /// The guide's texel at a point of the disc's middle, which is the hemisphere seen from above; nothing beyond.
-fn guide_at(guide: &SurfelGuide, pose: &SurfelPose, d: Vec3) -> f32 {
+fn guide_at(guide: Guide<'_>, pose: &SurfelPose, d: Vec3) -> f32 {
     let local = sampling::to_local(d / (GUIDE_REACH * pose.radius), pose.normal);
     let squared = 1.0 - local.x * local.x - local.y * local.y;
     if squared < 0.0 {
         return debug::NOTHING.value;
     }
     let direction = Vec3::new(local.x, local.y, squared.sqrt());
-    guide::texel(guide, guide::texel_of(direction)) as f32 / 255.0
+    guide.texel(guide.texel_of(direction)) as f32 / 255.0
 }
 
 /// Summed weight of the surfels that have a value, in the order of a lookup; or the mean of their values.
@@ -127,6 +126,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         grid: p.grid,
         settings: p.settings,
     };
+    let guides = Guides::new(p.guides.slice(), p.settings.guide_side);
     let view = DebugView::of(p.settings.debug);
     let values = p.values.slice();
     for i in group.range(p.batch.count) {
@@ -155,7 +155,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 debug::pixel(depth.map_or(nothing, |f| mean_distance(f, pose, d)), 1.0)
             }
             Some(DebugView::Guide) => {
-                let guide = p.guides.get(id);
+                let guide = guides.get(id);
                 debug::pixel(guide.map_or(nothing, |g| guide_at(g, pose, d)), 1.0)
             }
             Some(DebugView::Surfels) => {

@@ -1,9 +1,9 @@
 //! `persistent/generate_rays`: rays over each surfel's cosine lobe (I1), by its guide (I6), and to emitters (L6).
 use crate::data::{
-    Emitter, Frame, Path, Ray, SurfelBirth, SurfelGuide, SurfelIrradiance, SurfelPose,
-    SurfelSettings,
+    Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
-use crate::shared::{guide, hash, mark, mixture, requests, sampling};
+use crate::shared::guide::{self, Guides};
+use crate::shared::{hash, mark, mixture, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -25,7 +25,7 @@ stage! {
             read irradiance: SurfelIrradiance,
             read spans: UVec2,
             optional_read emitters: Emitter,
-            optional_read guides: SurfelGuide,
+            optional_read guides: u32,
             write rays: Ray,
             write paths: Path,
         },
@@ -60,7 +60,7 @@ fn surfels<'a>(p: &Views<'a>) -> Surfels<'a> {
         irradiance: p.irradiance.slice(),
         spans: p.spans.slice(),
         emitters: p.emitters.slice(),
-        guides: p.guides.slice(),
+        guides: Guides::new(p.guides.slice(), p.settings.guide_side),
     }
 }
 
@@ -82,26 +82,26 @@ pub struct Surfels<'a> {
     /// Emissive triangles; empty in a frame without.
     pub emitters: &'a [Emitter],
     /// Guides; empty in a frame without.
-    pub guides: &'a [SurfelGuide],
+    pub guides: Guides<'a>,
 }
 
 /// A guide in use.
 struct Guide<'a> {
-    of: &'a SurfelGuide,
+    of: guide::Guide<'a>,
     total: f32,
     /// Of the rays that do not go to emitters.
     share: f32,
 }
 
 impl<'a> Guide<'a> {
-    fn new(of: &'a SurfelGuide, identity: u32) -> Option<Self> {
-        let total = guide::total(of);
-        let share = guide::share(of, identity, total);
+    fn new(of: guide::Guide<'a>, identity: u32) -> Option<Self> {
+        let total = of.total();
+        let share = of.share(identity, total);
         (share > 0.0).then_some(Self { of, total, share })
     }
 
     fn density(&self, local: Vec3, cosine: f32, emitters: bool) -> f32 {
-        let density = guide::density(self.of, self.total, local);
+        let density = self.of.density(self.total, local);
         mixture::guided_density(cosine, density, self.share, emitters)
     }
 }
@@ -142,7 +142,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
             } else if let Some(guide) = &guide {
                 let (follows, u) = mixture::follow_guide(uv.0, guide.share);
                 let local = match follows {
-                    true => guide::draw(guide.of, (u, uv.1)),
+                    true => guide.of.draw((u, uv.1)),
                     false => sampling::cosine_hemisphere(u, uv.1),
                 };
                 mixture::Drawn {

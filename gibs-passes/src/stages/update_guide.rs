@@ -1,6 +1,7 @@
 //! `persistent/update_guide`: what the rays of its neighbours brought, into a surfel's guide (I6).
-use crate::data::{Frame, GridShape, Path, Ray, SurfelGuide, SurfelPose};
-use crate::shared::{estimator, grid, guide, hash, mark, requests, sampling};
+use crate::data::{Frame, GridShape, Path, Ray, SurfelPose, SurfelSettings};
+use crate::shared::guide::{self, Guide};
+use crate::shared::{estimator, grid, hash, mark, requests, sampling};
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3, Vec4};
 use std::f32::consts::PI;
@@ -16,6 +17,7 @@ stage! {
         ports: {
             uniform frame: Frame,
             uniform grid: GridShape,
+            uniform settings: SurfelSettings,
             read cells: UVec2,
             read entries: u32,
             read poses: SurfelPose,
@@ -23,7 +25,7 @@ stage! {
             read rays: Ray,
             read paths: Path,
             read radiance: Vec4,
-            read_write guides: SurfelGuide,
+            read_write guides: u32,
         },
         cpu: kernel,
         wide: None,
@@ -31,14 +33,22 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    let side = p.settings.guide_side;
+    let words = guide::words(side);
     for i in group.range(p.poses.len() as u32) {
         let pose = &p.poses[i];
-        let cell = match pose.radius > 0.0 {
-            true => p.cells[grid::cell(pose.position, p.grid) as usize],
-            false => UVec2::ZERO,
-        };
-        let mut lesson = Lesson::new(p.guides.get(i), mark::identity(pose.mark));
-        let seed = hash::hash3(mark::identity(pose.mark), p.frame.number, p.frame.seed);
+        if pose.radius <= 0.0 {
+            continue;
+        }
+        let cell = p.cells[grid::cell(pose.position, p.grid) as usize];
+        let identity = mark::identity(pose.mark);
+        let mut old = [0; guide::MOST_WORDS];
+        for (word, slot) in old[..words].iter_mut().enumerate() {
+            *slot = p.guides.get(i * words + word);
+        }
+        let old = Guide::new(&old[..words], side);
+        let mut lesson = Lesson::new(old, identity);
+        let seed = hash::hash3(identity, p.frame.number, p.frame.seed);
         let mut taught = 0;
         for k in 0..cell.y.min(guide::CANDIDATES) {
             let entry = cell.x + (hash::pcg(seed) % cell.y + k) % cell.y;
@@ -65,15 +75,17 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         }
         if lesson.count > 0 {
             let dither = |t| hash::unit(hash::hash2(seed, t));
-            p.guides
-                .set(i, lesson.finish(mark::identity(pose.mark), dither));
+            let new = lesson.finish(identity, dither);
+            for (word, value) in new[..words].iter().enumerate() {
+                p.guides.set(i * words + word, *value);
+            }
         }
     }
 }
 
 /// A guide that learns.
-struct Lesson {
-    old: SurfelGuide,
+struct Lesson<'a> {
+    old: Guide<'a>,
     total: f32,
     share: f32,
     /// Rays that the guide knows already.
@@ -82,24 +94,24 @@ struct Lesson {
     count: u32,
     sum: f32,
     /// Mean squares of luminance.
-    squares: [f32; guide::TEXELS],
+    squares: [f32; guide::MOST_TEXELS],
 }
 
-impl Lesson {
-    fn new(old: SurfelGuide, identity: u32) -> Self {
-        let known = guide::rays(&old, identity);
-        let old = match known {
-            0 => SurfelGuide::default(),
-            _ => old,
+impl<'a> Lesson<'a> {
+    fn new(old: Guide<'a>, identity: u32) -> Self {
+        let known = old.rays(identity);
+        // That of the surfel which had the slot before says nothing.
+        let (total, squares) = match known {
+            0 => (0.0, [0.0; guide::MOST_TEXELS]),
+            _ => (old.total(), old.unpack().map(|x| x * x)),
         };
-        let total = guide::total(&old);
         Self {
             total,
-            share: guide::share(&old, identity, total),
+            share: old.share(identity, total),
             known,
             count: 0,
             sum: 0.0,
-            squares: guide::unpack(&old).map(|x| x * x),
+            squares,
             old,
         }
     }
@@ -107,9 +119,9 @@ impl Lesson {
     fn learn(&mut self, local: Vec3, luminance: f32) {
         let luminance = luminance.min(guide::MOST_LUMINANCE);
         let square = luminance * luminance;
-        let texel = guide::texel_of(local);
+        let texel = self.old.texel_of(local);
         // Of rays that a texel can expect to have had, and not of those that it had, which nobody counts.
-        let chance = guide::probability(&self.old, self.total, self.share, texel);
+        let chance = self.old.probability(self.total, self.share, texel);
         let before = (self.known + self.count) as f32 * chance;
         let blend = (1.0 / (2.0 + before)).max(guide::BLEND);
         let mean = &mut self.squares[texel as usize];
@@ -118,16 +130,17 @@ impl Lesson {
         self.count += 1;
     }
 
-    fn finish(mut self, identity: u32, dither: impl Fn(u32) -> f32) -> SurfelGuide {
+    fn finish(mut self, identity: u32, dither: impl Fn(u32) -> f32) -> [u32; guide::MOST_WORDS] {
         let rays = self.known + self.count;
+        let texels = self.old.texels() as usize;
         if self.known < guide::PRIOR_RAYS {
             let mean = self.sum / self.count as f32;
             let share = self.count as f32 / rays as f32;
-            for square in &mut self.squares {
+            for square in &mut self.squares[..texels] {
                 *square += (mean - *square) * share;
             }
         }
         let luminances = self.squares.map(|x| x.max(0.0).sqrt());
-        guide::pack(&luminances, identity, rays, dither)
+        guide::pack(&luminances[..texels], identity, rays, dither)
     }
 }

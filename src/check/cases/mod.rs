@@ -82,6 +82,7 @@ pub fn cases(
             queries: 64,
             coverage: 1.5,
             depth_side: 7,
+            guide_side: 4,
             debug: Some(DebugView::ALL[(2 * i) % DebugView::ALL.len()]),
             // More lists than there is room for, and fewer surfels than are wanted; with so many rays each that they
             // notice when lights change.

@@ -94,7 +94,7 @@ pub(super) fn probes(plan: &Plan) -> Result<Case<'static>, RenderError> {
         normals: vec![Vec3::Z, Vec3::X, Vec3::new(-0.6, 0.0, 0.8)],
         per_place: 8,
         rays: 16,
-        guided: true,
+        guide_side: Some(8),
     };
     let table = EnvironmentTable::build(&sky());
     let mut g = Graph::new("probes");

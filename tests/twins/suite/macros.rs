@@ -64,7 +64,7 @@ macro_rules! twin {
                 let kernel = Kernel {
                     of: OF,
                     uses: &[$($($uses),*)?],
-                    text: concat!($($text)?),
+                    text: [$($text,)? ""][0],
                     arguments: &[$((stringify!($arg), <$ty>::layout())),*],
                     out: <$out>::layout(),
                     body: $wgsl,

@@ -13,8 +13,8 @@ mod upsample;
 use super::trace::{Batch, direct_light};
 use super::{SceneInputs, SceneSizes, Settings};
 use crate::data::*;
-use crate::shared::depth;
 use crate::shared::grid::GridLayout;
+use crate::shared::{depth, guide};
 use crate::stages::*;
 use gibs_graph::{Buffer, Graph, Image, Initial, Rgba16Float, State};
 use glam::{UVec2, Vec4};
@@ -90,7 +90,7 @@ struct Surfels {
     /// Where depth functions guard against leaks.
     depths: Option<Buffer<u32>>,
     /// Where rays are guided.
-    guides: Option<Buffer<SurfelGuide>>,
+    guides: Option<Buffer<u32>>,
     unseen: Buffer<u32>,
 }
 
@@ -102,7 +102,7 @@ struct SurfelStates {
     light: State<SurfelLight>,
     neighbours: Option<State<Neighbours>>,
     depths: Option<State<u32>>,
-    guides: Option<State<SurfelGuide>>,
+    guides: Option<State<u32>>,
     unseen: State<u32>,
 }
 
@@ -119,7 +119,10 @@ impl Surfels {
             .unzip();
         let (guides_state, guides) = settings
             .guiding
-            .then(|| g.state("surfel_guides", capacity, Initial::Zero))
+            .then(|| {
+                let words = capacity * guide::words(settings.guide_side) as u64;
+                g.state("surfel_guides", words, Initial::Zero)
+            })
             .unzip();
         let (depths_state, depths) = settings
             .depth

@@ -210,6 +210,7 @@ pub(super) fn integrate_rays(
             let inputs = update_guide::Inputs {
                 frame: &scene.frame,
                 grid: &grid.shape,
+                settings: device_settings,
                 cells: &grid.cells,
                 entries: &grid.entries,
                 poses: &surfels.poses,

@@ -2,6 +2,7 @@
 use super::super::Avx2;
 use super::generate_rays;
 use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::shared::guide::Guides;
 use crate::shared::hash::{hash2, unit};
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
@@ -70,7 +71,7 @@ fn both(frame: &Frame, range: Range<usize>) -> [Made; 2] {
         irradiance: &irradiance,
         spans: &spans,
         emitters: &[],
-        guides: &[],
+        guides: Guides::default(),
     };
     let (mut each, mut wide) = (vec![], vec![]);
     generate_each(&surfels, range.clone(), |i, ray, path| {
