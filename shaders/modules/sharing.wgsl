@@ -23,10 +23,10 @@ const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 const SHARING_OWN_RAYS: f32 = 8.0;
 /// Part of its weight with which a surfel counts among its neighbours.
 const SHARING_OWN_PART: f32 = 0.5;
-/// Age, in frames, from which on a surfel asks only once in a period.
-const SHARING_FRESH: u32 = 16u;
+/// Age, in frames, below which a surfel asks in every frame; up to twice that in every second, later once in a period.
+const SHARING_FRESH: u32 = 8u;
 /// Frames from one time that a surfel asks to the next.
-const SHARING_PERIOD: u32 = 4u;
+const SHARING_PERIOD: u32 = 8u;
 /// Surfels that ask in the same frames.
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.
@@ -81,10 +81,12 @@ fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
 /// holds.
 fn sharing_is_due(surfel: u32, state: SurfelIrradiance, forget: f32, frame: u32) -> bool {
+    let age = frame - state.since;
+    let period = select(SHARING_PERIOD, 2u, age < 2u * SHARING_FRESH);
     return state.samples == 0u
         || forget > 0.0
-        || frame - state.since < SHARING_FRESH
-        || (surfel / SHARING_TOGETHER + frame) % SHARING_PERIOD == 0u;
+        || age < SHARING_FRESH
+        || (surfel / SHARING_TOGETHER + frame) % period == 0u;
 }
 
 /// Variance of the luminance of a surfel's long mean, W^2/m^4.

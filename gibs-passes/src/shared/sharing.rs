@@ -46,11 +46,12 @@ pub const OWN_RAYS: f32 = 8.0;
 /// noise would stay in the mean.
 pub const OWN_PART: f32 = 0.5;
 
-/// Age, in frames, from which on a surfel asks only once in [`PERIOD`] frames: what its neighbours say changes little.
-pub const FRESH: u32 = 16;
+/// Age, in frames, below which a surfel asks in every frame. From there to twice that age it asks in every second, and later
+/// once in [`PERIOD`] frames: what its neighbours say changes less and less.
+pub const FRESH: u32 = 8;
 
-/// Frames from one time that a surfel asks to the next.
-pub const PERIOD: u32 = 4;
+/// Frames from one time that a surfel asks to the next, once it is twice as old as [`FRESH`].
+pub const PERIOD: u32 = 8;
 
 /// Surfels that ask in the same frames: a workgroup of them, so that those that wait do not keep others waiting.
 pub const TOGETHER: u32 = 64;
@@ -144,12 +145,14 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
 /// holds.
 #[inline]
 pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
+    let age = frame.wrapping_sub(state.since);
+    let period = if age < 2 * FRESH { 2 } else { PERIOD };
     state.samples == 0
         || forget > 0.0
-        || frame.wrapping_sub(state.since) < FRESH
+        || age < FRESH
         || (surfel / TOGETHER)
             .wrapping_add(frame)
-            .is_multiple_of(PERIOD)
+            .is_multiple_of(period)
 }
 
 /// Sums over the neighbours of a surfel, itself among them.

@@ -2,6 +2,7 @@
 use super::*;
 use crate::data::SurfelPose;
 use crate::shared::{estimator, hash, lookup};
+use std::ops::Range;
 
 #[test]
 fn packing_keeps_trust_rays_and_variance() {
@@ -247,7 +248,8 @@ fn the_variance_said_is_that_of_the_others() {
     assert_eq!((going(0.5), going(2.0)), (6.0, 1.5));
 }
 
-/// Every surfel asks once in a period, when it is born, and while it is fresh.
+/// Every surfel asks once in a period, when it is born, in each frame while it is fresh, and in every second until it is twice as
+/// old.
 #[test]
 fn every_surfel_asks_in_turn() {
     let state = SurfelIrradiance {
@@ -255,10 +257,12 @@ fn every_surfel_asks_in_turn() {
         ..SurfelIrradiance::default()
     };
     for surfel in [0, 63, 64, 1000] {
-        let times = (100..200)
-            .filter(|&frame| is_due(surfel, &state, 0.0, frame))
-            .count();
-        assert_eq!(times, 25);
+        let times = |frames: Range<u32>| {
+            let asks = |frame: &u32| is_due(surfel, &state, 0.0, *frame);
+            frames.filter(asks).count()
+        };
+        assert_eq!(times(100..180), 10);
+        assert_eq!(times(FRESH..2 * FRESH), 4);
         assert!((0..FRESH).all(|frame| is_due(surfel, &state, 0.0, frame)));
         assert!((100..200).all(|frame| is_due(surfel, &state, 0.1, frame)));
         assert!((100..200).all(|frame| is_due(surfel, &SurfelIrradiance::default(), 0.0, frame)));
