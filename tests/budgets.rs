@@ -385,18 +385,22 @@ fn a_cut_every_frame_leaves_everything_sound() {
     assert!(ends.windows(2).all(|pair| pair[0] == pair[1]), "{ends:?}");
 }
 
-/// What a surfel of capacity takes from frame to frame, with everything switched on: the budget of 256 bytes. While a frame runs,
-/// there are lists of the grid, and what stages hand on; a grid of fixed size and what belongs to rays do not grow with the capacity.
+/// What a surfel of capacity takes from frame to frame, with everything switched on: the budget of 256 bytes, where depth functions
+/// and guides have the default sizes, and as many more as wider ones have texels. While a frame runs, there are lists of the grid,
+/// and what stages hand on; a grid of fixed size and what belongs to rays do not grow with the capacity.
 #[test]
 fn a_surfel_takes_at_most_256_bytes_and_160_within_a_frame() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
-    let states = |surfels: u32, guiding: bool| -> (u64, u64) {
+    let states = |surfels: u32, guiding: bool, side: Option<u32>| -> (u64, u64) {
+        let usual = Settings::default();
         let settings = Settings {
             surfels,
             guiding,
+            depth_side: side.unwrap_or(usual.depth_side),
+            guide_side: side.unwrap_or(usual.guide_side),
             rays: 1000,
             grid_side: 40,
-            ..Settings::default()
+            ..usual
         };
         let gi = Gi::new(&scene, &view, [64, 64], &settings, Screen::Traced).expect("compiles");
         let schedule = gi.schedule();
@@ -405,9 +409,14 @@ fn a_surfel_takes_at_most_256_bytes_and_160_within_a_frame() {
         (kept, schedule.bytes(false))
     };
     // Inputs persist as well, but do not grow with the capacity.
-    for (guiding, expected) in [(true, 256), (false, 216)] {
+    let wide = 256 + (8 * 8 - 4 * 4) * 4 + (8 * 8 - 6 * 6);
+    for (guiding, side, expected) in [(true, None, 256), (false, None, 216), (true, Some(8), wide)]
+    {
         const MORE: u64 = 65_536;
-        let (few, many) = (states(65_536, guiding), states(131_072, guiding));
+        let (few, many) = (
+            states(65_536, guiding, side),
+            states(131_072, guiding, side),
+        );
         let kept = (many.0 - few.0) / MORE;
         assert_eq!(kept, expected, "guiding {guiding}");
         let within_a_frame = (many.1 - few.1) / MORE - kept;

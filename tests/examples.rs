@@ -1,7 +1,7 @@
 //! The examples of engines, run as the programs that they are.
 #![cfg(all(feature = "cpu", feature = "wgpu", feature = "vulkan"))]
 use gibs::backends::{self, Choice};
-use gibs::graph::BackendError;
+use gibs::graph::{Backend, BackendError};
 use gibs_backend_vulkan::{Options, VulkanBackend};
 use std::path::PathBuf;
 use std::process::Command;
@@ -69,12 +69,26 @@ fn an_engine_on_vulkan_is_lit() {
         sync_validation: true,
         device: None,
     };
-    if has("embed_vulkan", VulkanBackend::new(watched)) {
+    let opened = VulkanBackend::new(watched);
+    let traces = opened
+        .as_ref()
+        .is_ok_and(|backend| backend.capabilities().ray_query);
+    if has("embed_vulkan", opened) {
+        let silent = "messages of the validation layer: 0";
         let printed = run("embed_vulkan", &["--validate"]);
         both_views_agree(&printed);
-        assert!(
-            printed.contains("messages of the validation layer: 0"),
-            "{printed}"
-        );
+        assert!(printed.contains(silent), "{printed}");
+        let missing = (!traces).then(|| BackendError::Unavailable {
+            backend: "vulkan".into(),
+            reason: "the device has no ray queries".into(),
+            remedy: "use the software driver".into(),
+        });
+        if !has("embed_vulkan with ray queries", missing.map_or(Ok(()), Err)) {
+            return;
+        }
+        let printed = run("embed_vulkan", &["--validate", "--ray-queries"]);
+        both_views_agree(&printed);
+        assert!(printed.contains(silent), "{printed}");
+        assert!(printed.contains("with ray queries"), "{printed}");
     }
 }

@@ -1,6 +1,6 @@
 //! The engine's device and its queue.
 use super::instance::{API, Instance, Log};
-use gibs_backend_vulkan::ash::{self, vk};
+use gibs_backend_vulkan::ash::{self, khr, vk};
 use std::error::Error;
 
 /// A device with one queue, for graphics and compute.
@@ -16,11 +16,12 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Takes the best device: discrete before integrated before others. With a log, under validation.
+    /// Takes the best device: discrete before integrated before others. With a log, under validation; where it `traces`, made for
+    /// ray queries.
     ///
     /// # Errors
     /// No device fits, or what the driver says.
-    pub fn new(log: Option<&Log>) -> Result<Self, Box<dyn Error>> {
+    pub fn new(log: Option<&Log>, traces: bool) -> Result<Self, Box<dyn Error>> {
         let instance = Instance::new(log)?;
         // SAFETY: the instance is alive.
         let found = unsafe { instance.raw.enumerate_physical_devices() }?;
@@ -35,15 +36,32 @@ impl Gpu {
             .queue_family_index(family)
             .queue_priorities(&[1.0])];
         // What gibs needs, and what the engine itself does.
-        let mut v12 = vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true);
+        let mut v12 = vk::PhysicalDeviceVulkan12Features::default()
+            .timeline_semaphore(true)
+            .buffer_device_address(traces);
+        let mut structures = vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default()
+            .acceleration_structure(true);
+        let mut queries = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);
+        let extensions = [
+            khr::acceleration_structure::NAME.as_ptr(),
+            khr::deferred_host_operations::NAME.as_ptr(),
+            khr::ray_query::NAME.as_ptr(),
+        ];
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
             .shader_zero_initialize_workgroup_memory(true)
             .dynamic_rendering(true);
-        let info = vk::DeviceCreateInfo::default()
+        let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .push_next(&mut v12)
             .push_next(&mut v13);
-        // SAFETY: the device has the features and the queue family; pointers in `info` are to locals.
+        if traces {
+            info = info
+                .enabled_extension_names(&extensions)
+                .push_next(&mut structures)
+                .push_next(&mut queries);
+        }
+        // SAFETY: the device has the queue family and the features, but for those of ray queries, without which the driver
+        // refuses the call; pointers in `info` are to locals.
         unsafe {
             let device = instance.raw.create_device(physical, &info, None)?;
             let properties = instance.raw.get_physical_device_properties(physical);

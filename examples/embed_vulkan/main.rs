@@ -3,13 +3,14 @@
 //! ```sh
 //! cargo run --release --example embed_vulkan
 //! cargo run --release --example embed_vulkan -- --validate
+//! cargo run --release --example embed_vulkan -- --ray-queries
 //! ```
 //!
 //! The engine rasterizes the G-buffers of two views, gibs lights both within the same command buffer, and the engine
 //! gets two images of indirect light. They are held against the frames that gibs makes of the same G-buffers on the
 //! processor, and against frames whose surfaces gibs traced itself. Then the sun goes down and one view gets another size,
 //! and the next frames are held against the processor's again. With `--validate`, the validation layer watches, and has
-//! to stay silent.
+//! to stay silent. With `--ray-queries`, gibs traces by those of the engine's device.
 #![deny(clippy::undocumented_unsafe_blocks)]
 #[path = "../shared/engine.rs"]
 mod engine;
@@ -187,10 +188,11 @@ unsafe fn read(
     }
 }
 
-fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
+fn light(log: Option<&Log>, ray_queries: bool) -> Result<bool, Box<dyn Error>> {
     // The engine: a device, a world, a renderer.
-    let gpu = Gpu::new(log)?;
-    println!("on {}", gpu.name);
+    let gpu = Gpu::new(log, ray_queries)?;
+    let how = if ray_queries { " with ray queries" } else { "" };
+    println!("on {}{how}", gpu.name);
     let world = World::room();
     let raster = Raster::new(&gpu, &world)?;
 
@@ -200,7 +202,11 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
     let backend = unsafe {
         let (entry, instance) = (gpu.instance.entry.clone(), gpu.instance.raw.clone());
         let (physical, device) = (gpu.physical, gpu.device.clone());
-        VulkanBackend::from_host(
+        let from_host = match ray_queries {
+            true => VulkanBackend::from_host_with_ray_queries,
+            false => VulkanBackend::from_host,
+        };
+        from_host(
             entry,
             instance,
             instance::API,
@@ -214,6 +220,7 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
     let views = views();
     let settings = Settings {
         rays: 20_000,
+        ray_queries,
         ..Settings::default()
     };
     let mut lit = Vec::new();
@@ -308,12 +315,13 @@ fn light(log: Option<&Log>) -> Result<bool, Box<dyn Error>> {
 
 fn run() -> Result<bool, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let log = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => None,
-        ["--validate"] => Some(Log::default()),
-        _ => return Err("the only argument is --validate".into()),
-    };
-    let agrees = light(log.as_ref());
+    let known = ["--validate", "--ray-queries"];
+    if let Some(other) = arguments.iter().find(|a| !known.contains(&a.as_str())) {
+        return Err(format!("`{other}` is none of {}", known.join(", ")).into());
+    }
+    let has = |argument: &str| arguments.iter().any(|a| a == argument);
+    let log = has("--validate").then(Log::default);
+    let agrees = light(log.as_ref(), has("--ray-queries"));
     // Of Vulkan nothing is left, so the layer has said everything.
     let messages = log.as_ref().map(Log::messages);
     for message in messages.iter().flatten() {

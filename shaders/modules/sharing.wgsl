@@ -23,10 +23,8 @@ const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 const SHARING_OWN_RAYS: f32 = 8.0;
 /// Part of its weight with which a surfel counts among its neighbours.
 const SHARING_OWN_PART: f32 = 0.5;
-/// Age, in frames, below which a surfel asks in every frame; up to twice that in every second, later once in a period.
-const SHARING_FRESH: u32 = 8u;
-/// Frames from one time that a surfel asks to the next.
-const SHARING_PERIOD: u32 = 8u;
+/// Frames from one time that a surfel asks to the next, at most: before it is four times as old, a quarter of its age.
+const SHARING_MOST_PERIOD: u32 = 4u;
 /// Surfels that ask in the same frames.
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.
@@ -81,11 +79,11 @@ fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
 /// holds.
 fn sharing_is_due(surfel: u32, state: SurfelIrradiance, forget: f32, frame: u32) -> bool {
-    let age = frame - state.since;
-    let period = select(SHARING_PERIOD, 2u, age < 2u * SHARING_FRESH);
+    // A quarter of the surfel's age in frames, rounded down to a power of two.
+    let quarter = clamp((frame - state.since) / 4u, 1u, SHARING_MOST_PERIOD);
+    let period = 1u << firstLeadingBit(quarter);
     return state.samples == 0u
         || forget > 0.0
-        || age < SHARING_FRESH
         || (surfel / SHARING_TOGETHER + frame) % period == 0u;
 }
 

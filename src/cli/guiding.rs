@@ -102,12 +102,14 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         };
         if !args.json {
             say!(
-                "{} on {}: {} probes, {} seeds, {} rays a frame",
+                "{} on {}: {} probes, {} seeds, {} rays a frame, guides of {}x{} texels",
                 measured.environment,
                 backend.name(),
                 args.probes,
                 args.seeds,
-                args.rays_per_frame
+                args.rays_per_frame,
+                args.guide_side,
+                args.guide_side
             );
             say!("{}", table(&measured.rows));
         }
@@ -132,7 +134,7 @@ const TABLE: &str = "guiding.csv";
 
 /// All figures, a line for each environment and count of rays; errors are relative, not percentages.
 fn csv(all: &[Measured]) -> String {
-    let mut text = String::from("environment,rays");
+    let mut text = String::from("environment,guide_side,rays");
     for side in ["cosine", "guided"] {
         for column in ["error", "plus_minus", "bias", "bias_plus_minus"] {
             text += &format!(",{side}_{column}");
@@ -143,7 +145,7 @@ fn csv(all: &[Measured]) -> String {
         for row in &measured.rows {
             // A name is text of the user's: quoted as RFC 4180 says.
             let name = measured.environment.replace('"', "\"\"");
-            text += &format!("\"{name}\",{}", row.rays);
+            text += &format!("\"{name}\",{},{}", measured.guide_side, row.rays);
             for e in [row.cosine, row.guided] {
                 let values = [e.error, e.plus_minus, e.bias, e.bias_plus_minus];
                 text.extend(values.map(|value| format!(",{value}")));

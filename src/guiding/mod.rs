@@ -15,7 +15,7 @@ use crate::renderer::{RenderError, compile};
 use gibs_graph::{Backend, Graph};
 use gibs_passes::data::SurfelIrradiance;
 use gibs_passes::device::EnvironmentTable;
-use gibs_passes::frame::{ProbeFrame, probe_frame, upload_probe_frame, upload_probes};
+use gibs_passes::frame::{ProbeFrame, Settings, probe_frame, upload_probe_frame, upload_probes};
 use gibs_passes::scene::{Environment, EnvironmentMap};
 use gibs_passes::shared::estimator::luminance;
 use glam::Vec3;
@@ -79,12 +79,17 @@ pub struct Row {
 /// Errors under one environment: a row for each power of two of frames, and the last one.
 ///
 /// # Errors
-/// [`RenderError::Graph`] and [`RenderError::Backend`].
+/// [`RenderError::Graph`] and [`RenderError::Backend`]; [`RenderError::Setting`] of a guide's size.
 pub fn measure(
     backend: &dyn Backend,
     environment: &EnvironmentMap,
     options: &Options,
 ) -> Result<Vec<Row>, RenderError> {
+    let settings = Settings {
+        guide_side: options.guide_side,
+        ..Settings::default()
+    };
+    settings.check()?;
     let sky = EnvironmentTable::build(&Environment::Map(environment.clone()));
     let normals = sphere(options.probes);
     let truths: Vec<f64> = normals.iter().map(|&n| irradiance(&sky, n)).collect();

@@ -24,6 +24,21 @@ fn truths_are_closed_forms() {
     }
 }
 
+#[cfg(feature = "cpu")]
+#[test]
+fn guides_of_other_sizes_are_refused() {
+    let backend = crate::backends::open(crate::backends::Choice::Cpu).unwrap();
+    for guide_side in [0, 1, 7, 10, u32::MAX] {
+        let options = Options {
+            guide_side,
+            ..Options::default()
+        };
+        let map = built_in("sun").unwrap();
+        let refused = measure(backend.as_ref(), &map, &options).unwrap_err();
+        assert!(refused.to_string().contains("2, 4, 6 or 8"), "{refused}");
+    }
+}
+
 #[test]
 fn normals_are_unit_and_balanced() {
     let normals = sphere(32);

@@ -209,11 +209,14 @@ impl Profile {
                 let figure = figure?;
                 let runs = figure.of_runs.len();
                 let is_time = |ms: &f64| ms.is_finite() && *ms >= 0.0;
+                let of_runs = || figure.of_runs.iter();
+                let strange = |ms: &f64| format!("{ms} milliseconds");
                 let found = if runs != self.runs as usize || runs == 0 {
                     format!("medians of {runs} runs, where there were {}", self.runs)
                 } else {
-                    let all = figure.of_runs.iter().chain([&figure.median, &figure.p95]);
-                    format!("{} milliseconds", all.into_iter().find(|ms| !is_time(ms))?)
+                    let mut all = of_runs().chain([&figure.median, &figure.p95]);
+                    let found = all.find(|ms| !is_time(ms)).map(strange);
+                    found.or_else(|| figure.outside_its_runs())?
                 };
                 Some((name.to_owned(), found))
             })

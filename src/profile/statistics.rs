@@ -34,6 +34,26 @@ impl Figure {
     }
 }
 
+impl Figure {
+    /// What is wrong with it where its median is none of frames of runs with such medians, all with as many frames: it lies
+    /// between those, but for rounding, and below the 95th percentile.
+    pub(super) fn outside_its_runs(&self) -> Option<String> {
+        const ROUNDING: f64 = 1e-9;
+        let least = self.of_runs.iter().copied().fold(f64::MAX, f64::min);
+        let most = self.of_runs.iter().copied().fold(0.0, f64::max);
+        let median = self.median;
+        if median < least * (1.0 - ROUNDING) || median > most * (1.0 + ROUNDING) {
+            return Some(format!(
+                "a median of {median} milliseconds, where runs have from {least} to {most}"
+            ));
+        }
+        let p95 = self.p95;
+        (p95 < median * (1.0 - ROUNDING)).then(|| {
+            format!("a 95th percentile of {p95} milliseconds below the median of {median}")
+        })
+    }
+}
+
 /// A quantile, linear between values; 0 where there are none.
 pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();

@@ -1,6 +1,7 @@
 use super::fold::stage_of;
 use super::*;
 use gibs_graph::StepTime;
+use gibs_passes::shared::hash;
 use std::time::Duration;
 
 fn figure(of_runs: &[f64]) -> Figure {
@@ -64,6 +65,40 @@ fn figures_are_medians_and_percentiles_of_all_frames() {
     // Rank 0.95 * 5 = 4.75 lies three quarters of the way from 5 to 1005.
     assert_eq!(figure.p95, 755.0);
     assert_eq!(Figure::of(&[]), Figure::default());
+}
+
+/// Whatever runs measure is a figure that can have been measured; medians and percentiles elsewhere are not.
+#[test]
+fn medians_lie_between_those_of_runs() {
+    for case in 0..2000u32 {
+        let random = |k| hash::unit(hash::hash2(case, k));
+        let (runs, frames) = (1 + case % 5, 1 + case / 5 % 7);
+        let time = |run: u32, frame: u32| match hash::hash3(case, run, frame) % 3 {
+            0 => 0.5,
+            power => f64::from(random(run * 8 + frame)).powi(power as i32 * 2),
+        };
+        let run = |run: u32| (0..frames).map(|frame| time(run, frame)).collect();
+        let figure = Figure::of(&(0..runs).map(run).collect::<Vec<Vec<f64>>>());
+        assert_eq!(figure.outside_its_runs(), None, "{figure:?}");
+        let most = figure.of_runs.iter().copied().fold(0.0, f64::max);
+        let wrong = [
+            (most + 0.1, most + 0.2, "a median"),
+            (figure.median, figure.median - 0.1, "a 95th percentile"),
+        ];
+        for (median, p95, told) in wrong {
+            let of_runs = figure.of_runs.clone();
+            let other = Figure {
+                median,
+                p95,
+                of_runs,
+            };
+            let found = other.outside_its_runs();
+            assert!(
+                found.is_some_and(|text| text.starts_with(told)),
+                "{other:?}"
+            );
+        }
+    }
 }
 
 #[test]

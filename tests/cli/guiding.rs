@@ -43,11 +43,13 @@ fn guiding_is_measured_under_environments() {
     let csv = std::fs::read_to_string(Path::new(&report).join("guiding.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + 2 * 4);
 
-    let text = succeed(&[&["guiding", "windows"], &few[..]].concat());
-    assert!(
-        text.contains("windows on cpu: 4 probes") && text.contains(" % +- "),
-        "{text}"
-    );
+    let mut columns = csv.lines().map(|line| line.split(',').nth(1).unwrap());
+    assert!(columns.next() == Some("guide_side") && columns.all(|side| side == "6"));
+
+    let text = succeed(&[&["guiding", "windows", "--guide-side", "8"], &few[..]].concat());
+    for part in ["windows on cpu: 4 probes", "guides of 8x8 texels", " % +- "] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
 }
 
 #[test]
@@ -56,6 +58,10 @@ fn environments_that_cannot_be_read_are_refused() {
     let broken = folder.write("broken.hdr", "#?RADIANCE\n\n-Y nothing");
     let missing = folder.path("missing.hdr");
     refused(&["guiding", "nowhere"], &["nowhere", "windows", "sun"]);
+    refused(
+        &["guiding", "sun", "--guide-side", "5"],
+        &["--guide-side", "`5`", "2, 4, 6 or 8"],
+    );
     refused(&["guiding", &missing], &["missing.hdr", "cannot read"]);
     refused(
         &["guiding", "sun", &broken],

@@ -81,6 +81,11 @@ fn profiles_are_printed_compared_and_traced() {
         ),
         ("escape.json", escape, ["`\\u{1b}[2J`", "-1 milliseconds"]),
         (
+            "zeros.json",
+            wall(serde_json::json!([0, 0])),
+            ["`frame`", "where runs have from 0 to 0"],
+        ),
+        (
             "empty.json",
             serde_json::json!([]),
             ["is empty", "gibs profile"],

@@ -127,6 +127,22 @@ fn what_differs_is_found() {
     }
 }
 
+/// The page with the table names every function, and each part beside what stands for it.
+#[test]
+fn the_page_names_every_function() {
+    let page = include_str!("../../docs/twins.md");
+    for (part, of) in suite::listing::PARTS {
+        let row = format!("| `{part}` | `{of}` |");
+        assert!(page.contains(&row), "no row {row}: make the page anew");
+    }
+    for (_, twins) in families() {
+        for name in twins.iter().flat_map(|twin| twin.of) {
+            let named = format!("`{name}`");
+            assert!(page.contains(&named), "no {named}: make the page anew");
+        }
+    }
+}
+
 #[test]
 fn steps_are_counted_across_zero() {
     let steps = |a: f32, b: f32| run::steps(a.to_bits(), b.to_bits());

@@ -161,15 +161,25 @@ pub enum SettingError {
 /// Fewest cells along a side of the grid's centre cube.
 const LEAST_SIDE: u32 = 4;
 
-/// What a setting takes where a number within its range is none that it takes.
-fn gap(name: &str, number: f64) -> Option<String> {
+/// What a setting takes, in words, where that is not all of its range.
+fn only(name: &str) -> Option<&'static str> {
+    const { assert!(LEAST_SIDE == 4) };
     match name {
-        "grid_side" if number > 0.0 && number < f64::from(LEAST_SIDE) => Some(format!(
-            "it takes 0 or a whole number from {LEAST_SIDE} to 64"
-        )),
-        "guide_side" if number % 2.0 != 0.0 => Some("it takes 2, 4, 6 or 8".into()),
+        "grid_side" => Some("it takes 0 or a whole number from 4 to 64"),
+        "guide_side" => Some("it takes 2, 4, 6 or 8"),
         _ => None,
     }
+}
+
+/// Whether a setting takes a number.
+fn takes(name: &str, number: f64, [least, most]: [f32; 2]) -> bool {
+    let within = (f64::from(least)..=f64::from(most)).contains(&number);
+    within
+        && match name {
+            "grid_side" => number == 0.0 || number >= f64::from(LEAST_SIDE),
+            "guide_side" => number % 2.0 == 0.0,
+            _ => true,
+        }
 }
 
 macro_rules! settings {
@@ -195,19 +205,15 @@ macro_rules! settings {
             pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingError> {
                 match name {
                     $(stringify!($name) => {
-                        let wrong = |want| SettingError::Value {
+                        let wrong = || SettingError::Value {
                             name: name.into(),
                             value: value.into(),
-                            want,
+                            want: settings!(@want $name $kind, $least, $most),
                         };
-                        let want = || settings!(@want $kind, $least, $most);
-                        let parsed = settings!(@parse $kind value).ok_or_else(|| wrong(want()))?;
+                        let parsed = settings!(@parse $kind value).ok_or_else(wrong)?;
                         let number = settings!(@number $kind parsed);
-                        if !(f64::from($least as f32)..=f64::from($most as f32)).contains(&number) {
-                            return Err(wrong(want()));
-                        }
-                        if let Some(want) = gap(name, number) {
-                            return Err(wrong(want));
+                        if !takes(name, number, [$least as f32, $most as f32]) {
+                            return Err(wrong());
                         }
                         self.$name = parsed;
                         Ok(())
@@ -231,16 +237,11 @@ macro_rules! settings {
             pub fn check(&self) -> Result<(), SettingError> {
                 $(
                     let number = settings!(@number $kind self.$name);
-                    let range = f64::from($least as f32)..=f64::from($most as f32);
-                    let want = match range.contains(&number) {
-                        true => gap(stringify!($name), number),
-                        false => Some(settings!(@want $kind, $least, $most)),
-                    };
-                    if let Some(want) = want {
+                    if !takes(stringify!($name), number, [$least as f32, $most as f32]) {
                         return Err(SettingError::Value {
                             name: stringify!($name).into(),
                             value: self.$name.to_string(),
-                            want,
+                            want: settings!(@want $name $kind, $least, $most),
                         });
                     }
                 )*
@@ -252,9 +253,12 @@ macro_rules! settings {
     (@number $kind:ident $e:expr) => { f64::from($e) };
     (@parse bool $e:expr) => { match $e { "true" | "on" | "1" => Some(true), "false" | "off" | "0" => Some(false), _ => None } };
     (@parse $kind:ident $e:expr) => { $e.parse::<$kind>().ok() };
-    (@want bool, $least:expr, $most:expr) => { "it takes on or off".to_string() };
-    (@want u32, $least:expr, $most:expr) => { format!("it takes a whole number from {} to {}", $least, $most) };
-    (@want f32, $least:expr, $most:expr) => { format!("it takes a number from {} to {}", $least, $most) };
+    (@want $name:ident $kind:ident, $least:expr, $most:expr) => {
+        only(stringify!($name)).map_or_else(|| settings!(@range $kind, $least, $most), String::from)
+    };
+    (@range bool, $least:expr, $most:expr) => { "it takes on or off".to_string() };
+    (@range u32, $least:expr, $most:expr) => { format!("it takes a whole number from {} to {}", $least, $most) };
+    (@range f32, $least:expr, $most:expr) => { format!("it takes a number from {} to {}", $least, $most) };
 }
 
 settings! {
@@ -424,16 +428,23 @@ mod tests {
         );
     }
 
-    /// Numbers within a range that are not taken, from text and from a file.
+    /// Numbers that are not taken, within the range and beyond it, from text and once they are set.
     #[test]
     fn gaps_in_ranges_are_refused() {
         for (name, wrong, right, want) in [
-            ("guide_side", "7", "8", "2, 4, 6 or 8"),
-            ("grid_side", "3", "4", "0 or a whole number from 4"),
+            ("guide_side", ["7", "9", "x"], "8", "2, 4, 6 or 8"),
+            (
+                "grid_side",
+                ["3", "65", "-1"],
+                "4",
+                "0 or a whole number from 4",
+            ),
         ] {
             let mut s = Settings::default();
-            let refused = s.set(name, wrong).unwrap_err().to_string();
-            assert!(refused.contains(want), "{refused}");
+            for wrong in wrong {
+                let refused = s.set(name, wrong).unwrap_err().to_string();
+                assert!(refused.contains(want), "{refused}");
+            }
             assert_eq!(s, Settings::default());
             s.set(name, right).expect("taken");
             s.check().expect("taken");

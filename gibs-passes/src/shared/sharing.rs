@@ -46,12 +46,10 @@ pub const OWN_RAYS: f32 = 8.0;
 /// noise would stay in the mean.
 pub const OWN_PART: f32 = 0.5;
 
-/// Age, in frames, below which a surfel asks in every frame. From there to twice that age it asks in every second, and later
-/// once in [`PERIOD`] frames: what its neighbours say changes less and less.
-pub const FRESH: u32 = 8;
-
-/// Frames from one time that a surfel asks to the next, once it is twice as old as [`FRESH`].
-pub const PERIOD: u32 = 8;
+/// Frames from one time that a surfel asks to the next, at most. Before it is four times as old, they are a quarter of its age,
+/// rounded down to a power of two: what its neighbours say changes less and less. With twice as many, light that goes out would
+/// linger for seven more frames in the Cornell box.
+pub const MOST_PERIOD: u32 = 4;
 
 /// Surfels that ask in the same frames: a workgroup of them, so that those that wait do not keep others waiting.
 pub const TOGETHER: u32 = 64;
@@ -145,11 +143,10 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
 /// holds.
 #[inline]
 pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
-    let age = frame.wrapping_sub(state.since);
-    let period = if age < 2 * FRESH { 2 } else { PERIOD };
+    let quarter = (frame.wrapping_sub(state.since) / 4).clamp(1, MOST_PERIOD);
+    let period = 1 << quarter.ilog2();
     state.samples == 0
         || forget > 0.0
-        || age < FRESH
         || (surfel / TOGETHER)
             .wrapping_add(frame)
             .is_multiple_of(period)

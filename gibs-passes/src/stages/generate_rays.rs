@@ -176,3 +176,6 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

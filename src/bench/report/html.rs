@@ -61,6 +61,14 @@ pub fn html(report: &BenchReport) -> String {
             escaped(&missing.reason)
         );
     }
+    for failed in &report.failed {
+        let _ = write!(
+            body,
+            "<p><b>Not measured</b>: <code>{}</code>: {}</p>",
+            escaped(&failed.scene),
+            escaped(&failed.reason)
+        );
+    }
     body += READING;
     summary(&mut body, &report.measured);
     for measured in &report.measured {

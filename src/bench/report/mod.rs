@@ -24,6 +24,8 @@ pub struct BenchReport {
     pub machine: Machine,
     /// Backends that were to be measured and are not there.
     pub not_run: Vec<NotRun>,
+    /// Scenes that were to be measured and were not, on one backend or any.
+    pub failed: Vec<Failed>,
     /// What was measured, by scene and backend.
     pub measured: Vec<Measured>,
 }
@@ -44,6 +46,15 @@ pub struct Machine {
 pub struct NotRun {
     /// Its name.
     pub backend: String,
+    /// Why, and what to do.
+    pub reason: String,
+}
+
+/// A scene that could not be measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Failed {
+    /// The scene, as it was asked for.
+    pub scene: String,
     /// Why, and what to do.
     pub reason: String,
 }

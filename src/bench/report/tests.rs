@@ -173,12 +173,17 @@ fn the_page_has_everything_and_asks_for_nothing() {
             backend: "vulkan".into(),
             reason: "no <driver>".into(),
         }],
+        failed: vec![Failed {
+            scene: "a <scene>".into(),
+            reason: "it is <dark>".into(),
+        }],
         measured: vec![measured()],
     };
     let page = html(&report);
     for text in [
         "gibs bench &#x27;a &lt;b&gt;&#x27;",
         "no &lt;driver&gt;",
+        "a &lt;scene&gt;</code>: it is &lt;dark&gt;",
         "a device",
         "a driver",
         " ± 2.3 times",

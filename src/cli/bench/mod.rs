@@ -6,8 +6,8 @@ use super::CommandError;
 use super::output::{prepare_folder, progress, say, warning};
 use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
 use crate::bench::{
-    self, AboutTruth, BenchReport, Configuration, Look, Machine, Measured, Options, Pictures,
-    Target, Truth, TruthCache,
+    self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
+    Pictures, Target, Truth, TruthCache,
 };
 use backends::{Chosen, Opened};
 use gibs_graph::Backend;
@@ -133,6 +133,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         command: files::command_line(),
         machine: Machine::here(),
         not_run,
+        failed: Vec::new(),
         measured: Vec::new(),
     };
     let all = Work {
@@ -145,7 +146,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         rays: settings.rays,
     };
     let done = all.measure(&mut report);
-    // What was measured is not lost when a later scene fails.
+    // What was measured is not lost when another scene fails.
     if args.json && (done.is_ok() || !report.measured.is_empty()) {
         say!("{}", json(&report));
     }
@@ -169,15 +170,35 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Measures every scene on every backend. The files are written anew after each, with all that is there by then.
+    /// Measures every scene on every backend, those after one that cannot be measured too. The files are written anew after
+    /// each, with all that is there by then.
+    ///
+    /// # Errors
+    /// That of the first scene that could not be measured.
     fn measure(&self, report: &mut BenchReport) -> Result<(), CommandError> {
         let Some(first) = self.backends.first() else {
             return Ok(());
         };
-        for index in 0..self.scenes.len() {
-            self.scene(index, first.as_ref(), report)?;
+        let mut done = Ok(());
+        for (index, scene) in self.args.scenes.iter().enumerate() {
+            let Err(error) = self.scene(index, first.as_ref(), report) else {
+                continue;
+            };
+            report.failed.push(Failed {
+                scene: scene.clone(),
+                reason: error.to_string(),
+            });
+            if let Some(folder) = &self.args.report
+                && !report.measured.is_empty()
+            {
+                files::write(folder, report, &json(report))?;
+            }
+            if done.is_err() {
+                warning!("{error}");
+            }
+            done = done.and(Err(error));
         }
-        Ok(())
+        done
     }
 
     fn scene(

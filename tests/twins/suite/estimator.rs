@@ -29,7 +29,7 @@ fn state(d: &mut Draw, frame: u32) -> SurfelIrradiance {
         _ => d.light(level - 3, level + 3),
     };
     let age = match d.below(3) {
-        0 => d.one_of(&[0, 1, 15, 16, 31, 32, 33, 127, 128, 129]),
+        0 => d.one_of(&[0, 1, 7, 8, 15, 16, 31, 32, 33, 127, 128, 129]),
         _ => d.bits() >> d.below(32),
     };
     let further = d.below(3) * d.below(1000);

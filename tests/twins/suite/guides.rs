@@ -8,7 +8,8 @@ use gibs_passes::shared::hash;
 /// Guides of each size.
 const GUIDES: u32 = 64;
 
-/// The guides of a size begin at a multiple of so many words: of the words of each size, 2, 5, 10 and 17.
+/// A common multiple of the words of all sizes, 2, 5, 10 and 17: where the guides of each begin at a multiple of it, that is a whole
+/// number of guides away from the first word.
 const STEP: usize = 170;
 
 /// Guides of every size, the smallest first: dark, of one texel, even, and of noise.
@@ -58,7 +59,7 @@ fn guide_of(guides: &[u32], surfel: u32, side: u32) -> Guide<'_> {
     guides.get(surfel as usize).expect("a guide")
 }
 
-/// Sets the size, and `slot` to where the stage finds that guide.
+/// Sets the size, and gives the index under which the shader finds a guide of it. [`GUIDES`] and [`STEP`] are in it as numbers.
 const PLACE: &str = "
 var<private> settings: SurfelSettings;
 fn place(surfel: u32, side: u32) -> u32 {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::shared::{hash, sampling};
+use crate::shared::{hash, mixture, sampling};
 use std::f64::consts::PI;
 
 const IDENTITY: u32 = 0x1234;
@@ -66,8 +66,8 @@ fn the_density_integrates_to_one() {
     }
 }
 
-/// Shares of the lobe are rounded to 2^-16, one of them by a step to make the sum exact, and texels are cut by the grid of the
-/// integration.
+/// Shares of the lobe are off by half a step of 2^-16 at most, one that makes the sum exact by one and a half. The grid of the
+/// integration is a multiple of each side, so that it cuts no texel.
 #[test]
 fn the_lobe_of_all_texels_sums_to_one() {
     for side in SIDES {
@@ -81,7 +81,10 @@ fn the_lobe_of_all_texels_sums_to_one() {
         });
         for (index, share) in (0..).zip(shares) {
             let lobe = f64::from(guide.lobe(index));
-            assert!((share / PI - lobe).abs() < 1e-4, "{index} with {side}");
+            assert!(
+                (share / PI - lobe).abs() < 1.5 / 65536.0,
+                "{index} with {side}"
+            );
         }
     }
 }
@@ -122,12 +125,12 @@ fn guided_sampling_is_unbiased() {
     let light = |d: Vec3| f64::from(d.x.max(0.0)).powi(8) * 20.0 + 0.1;
     let exact = integrate(|d| light(d) * f64::from(d.z));
     for (side, seed) in [
+        (2, 0),
+        (2, 3),
         (4, 0),
-        (4, 1),
+        (4, 3),
         (6, 0),
-        (6, 1),
         (6, 2),
-        (6, 3),
         (8, 0),
         (8, 1),
     ] {
@@ -135,17 +138,19 @@ fn guided_sampling_is_unbiased() {
         let guide = owned.guide();
         let total = guide.total();
         let share = guide.share(IDENTITY, total);
-        assert!(share > 0.02 && share <= MOST_GUIDED, "{share} with {side}");
+        assert!(
+            share > 0.1 * MOST_GUIDED && share <= MOST_GUIDED,
+            "{share} with {side}"
+        );
         let (mut sum, mut squares) = (0.0, 0.0);
         for i in 0..N {
             let random = |k| hash::unit(hash::hash3(i, seed, k));
-            let uv = (random(0), random(1));
-            let d = match random(2) < share {
-                true => guide.draw(uv),
-                false => sampling::cosine_hemisphere(uv.0, uv.1),
+            let (follows, u) = mixture::follow_guide(random(0), share);
+            let d = match follows {
+                true => guide.draw((u, random(1))),
+                false => sampling::cosine_hemisphere(u, random(1)),
             };
-            let lobe = d.z * std::f32::consts::FRAC_1_PI;
-            let p = lobe + (guide.density(total, d) - lobe) * share;
+            let p = mixture::guided_density(d.z, guide.density(total, d), share, false);
             let value = light(d) * f64::from(d.z) / f64::from(p);
             sum += value;
             squares += value * value;
@@ -174,25 +179,36 @@ fn guides_are_used_where_light_is_uneven() {
     }
 }
 
-/// Numbers that are a little apart give directions that are: the walk splits the square along its axes, so that of 65536
-/// even points those in each half of a texel's column and row are as many as its mass says, to within a few.
+/// The walk splits the square along its axes: the numbers that lead to a texel are a rectangle, as wide as the texel's share of
+/// what its row of blocks and its block's row have, and as high as those of all. Of a grid of 256 x 256 numbers it holds as many
+/// as its area says, give or take a line of them along each of two edges. A walk along all texels in one line would be off by
+/// more than that.
 #[test]
 fn even_points_stay_even() {
     const N: u32 = 256;
     for side in SIDES {
         let owned = noise(3, side);
         let guide = owned.guide();
-        let total = guide.total();
         let mut counts = vec![0u32; guide.texels() as usize];
         for i in 0..N * N {
             let at = |i: u32| (i as f32 + 0.5) / N as f32;
             let d = guide.draw((at(i % N), at(i / N)));
             counts[guide.texel_of(d) as usize] += 1;
         }
+        let mass = |y: u32, x: u32| f64::from(guide.mass(y * side + x));
+        let pair = |y: u32, column: u32| mass(y, 2 * column) + mass(y, 2 * column + 1);
+        let block = |row: u32, column: u32| pair(2 * row, column) + pair(2 * row + 1, column);
+        let line = |row: u32| (0..side / 2).map(|column| block(row, column)).sum::<f64>();
+        let total: f64 = (0..side / 2).map(line).sum();
         for (index, count) in (0..).zip(counts) {
-            let expected = f64::from(guide.mass(index) / total * (N * N) as f32);
-            // A texel is a rectangle within a rectangle: each of its edges cuts through at most a line of points.
-            let allowed = 2.0 * f64::from(N);
+            let (y, x) = (index / side, index % side);
+            let (row, column) = (y / 2, x / 2);
+            let share = |part: f64, of: f64| if part > 0.0 { part / of } else { 0.0 };
+            let block = block(row, column);
+            let wide = share(block, line(row)) * share(mass(y, x), pair(y, column));
+            let high = share(line(row), total) * share(pair(y, column), block);
+            let expected = wide * high * f64::from(N * N);
+            let allowed = (wide + high) * f64::from(N) + 1.0;
             let off = (f64::from(count) - expected).abs();
             assert!(
                 off <= allowed,
@@ -202,6 +218,7 @@ fn even_points_stay_even() {
     }
 }
 
+/// With two texels along each side there is no room for what is looked at.
 #[test]
 fn packing_keeps_the_extremes_and_averages_of_the_rest() {
     for (side, brightest) in [
