@@ -23,8 +23,10 @@ const SHARING_UNCERTAIN_BEFORE: u32 = 256u;
 const SHARING_OWN_RAYS: f32 = 8.0;
 /// Part of its weight with which a surfel counts among its neighbours.
 const SHARING_OWN_PART: f32 = 0.5;
-/// Frames from one time that a surfel asks to the next, at most: before it is four times as old, a quarter of its age.
-const SHARING_MOST_PERIOD: u32 = 4u;
+/// Age, in frames, from which on a surfel asks only once in a period.
+const SHARING_FRESH: u32 = 16u;
+/// Frames from one time that a surfel asks to the next.
+const SHARING_PERIOD: u32 = 4u;
 /// Surfels that ask in the same frames.
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.
@@ -79,12 +81,10 @@ fn sharing_unpack(neighbours: Neighbours) -> SharingSaid {
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
 /// holds.
 fn sharing_is_due(surfel: u32, state: SurfelIrradiance, forget: f32, frame: u32) -> bool {
-    // A quarter of the surfel's age in frames, rounded down to a power of two.
-    let quarter = clamp((frame - state.since) / 4u, 1u, SHARING_MOST_PERIOD);
-    let period = 1u << firstLeadingBit(quarter);
     return state.samples == 0u
         || forget > 0.0
-        || (surfel / SHARING_TOGETHER + frame) % period == 0u;
+        || frame - state.since < SHARING_FRESH
+        || (surfel / SHARING_TOGETHER + frame) % SHARING_PERIOD == 0u;
 }
 
 /// Variance of the luminance of a surfel's long mean, W^2/m^4.

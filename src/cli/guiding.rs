@@ -85,7 +85,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     // All of them first, so that a wrong name does not show after minutes.
     let environments = args.environments.iter().map(|name| find(name));
-    let environments = environments.collect::<Result<Vec<_>, _>>()?;
+    let mut environments = environments.collect::<Result<Vec<_>, _>>()?;
+    number_namesakes(&mut environments);
     if let Some(folder) = &args.report {
         prepare_folder(folder, TABLE)?;
     }
@@ -127,6 +128,18 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         say!("{}", serde_json::to_string_pretty(&all).unwrap_or_default());
     }
     Ok(())
+}
+
+/// Maps of one name in different folders are told apart by a number, in tables and in the names of plots.
+fn number_namesakes(environments: &mut [(String, EnvironmentMap)]) {
+    for i in (1..environments.len()).rev() {
+        let (before, rest) = environments.split_at_mut(i);
+        let name = &mut rest[0].0;
+        match before.iter().filter(|(other, _)| other == name).count() {
+            0 => {}
+            earlier => *name += &format!("-{}", earlier + 1),
+        }
+    }
 }
 
 /// The file in the folder of a report that has all figures.

@@ -53,6 +53,8 @@ struct Summary {
     surfels: u32,
     surfels_without_slot: u32,
     grid_overflow: u32,
+    /// Slots lost or given twice after the last frame; none without `check_slots`.
+    slot_errors: Option<u32>,
     /// What the firefly clamp took; none without it.
     clamped: Option<Clamped>,
     bytes: u64,
@@ -123,6 +125,12 @@ fn debug_views() -> impl TypedValueParser<Value = DebugView> {
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let start = Instant::now();
     let mut settings = args.settings.load()?;
+    if args.debug.is_some() && args.settings.others.sets("debug") {
+        return Err(CommandError::SetTwice {
+            key: "debug".into(),
+            option: "--debug".into(),
+        });
+    }
     settings.debug = args.debug.or(settings.debug);
     settings.check()?;
     let out = args
@@ -183,6 +191,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         surfels: counters.live,
         surfels_without_slot: counters.starved,
         grid_overflow: counters.overflow,
+        slot_errors: counters.slot_errors,
         clamped: counters.clamped,
         bytes: renderer
             .executable()
@@ -218,6 +227,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             say!(
                 "the firefly clamp took {percent:.3} % of the light of surfel rays, in {times} samples"
             );
+        }
+        if let Some(errors) = summary.slot_errors {
+            say!("slots lost or given twice: {errors}");
         }
         if let Some(debug) = &summary.debug {
             say!("{debug}");

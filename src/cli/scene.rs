@@ -117,6 +117,12 @@ impl SettingsArgs {
 }
 
 impl TechniqueArgs {
+    /// Whether `--set` changes a setting.
+    pub fn sets(&self, name: &str) -> bool {
+        let key = |pair: &String| pair.split('=').next().is_some_and(|key| key.trim() == name);
+        self.set.iter().any(key)
+    }
+
     /// The settings: defaults, then the file, then `rays`, `--without` and `--set`.
     pub fn load(&self, rays: Option<u32>) -> Result<Settings, CommandError> {
         let mut settings = match &self.settings {
@@ -138,7 +144,7 @@ impl TechniqueArgs {
         for name in &self.without {
             settings = element("--without", name)?.switched(&settings, false);
         }
-        for pair in &self.set {
+        for (index, pair) in self.set.iter().enumerate() {
             let Some((key, value)) = pair.split_once('=') else {
                 let want = "give KEY=VALUE, such as radius=6".into();
                 return Err(CommandError::Value {
@@ -152,6 +158,10 @@ impl TechniqueArgs {
                 key: key.into(),
                 option,
             };
+            let names = |pair: &String| pair.split_once('=').is_some_and(|(k, _)| k.trim() == key);
+            if let Some(other) = self.set[..index].iter().find(|pair| names(pair)) {
+                return Err(twice(format!("--set {other}")));
+            }
             if key == "rays" && rays.is_some() {
                 return Err(twice("--rays".into()));
             }

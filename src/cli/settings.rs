@@ -11,6 +11,10 @@ pub struct Args {
     json: bool,
 }
 
+fn line([name, default, unit, range, about]: [&str; 5]) -> String {
+    format!("{name:<17} {default:>9} {unit:<13} {range:<18} {about}")
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let all = Settings::all();
@@ -20,22 +24,20 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     for s in all {
         // Settings are f32; as such they print as they were written.
-        let range = format!("{} .. {}", s.least as f32, s.most as f32);
-        say!(
-            "{:<14} {:>9} {:<12} {:<18} {}",
-            s.name,
-            s.default as f32,
-            s.unit,
-            range,
-            s.about
-        );
+        let (default, range) = match s.is_switch {
+            true if s.default == 0.0 => ("off".into(), "off or on".into()),
+            true => ("on".into(), "off or on".into()),
+            false => (
+                (s.default as f32).to_string(),
+                format!("{} .. {}", s.least as f32, s.most as f32),
+            ),
+        };
+        say!("{}", line([s.name, &default, s.unit, &range, s.about]));
     }
+    let about = "a picture of what the technique does; `gibs render --help` lists the views";
+    say!("{}", line(["debug", "off", "", "off or a name", about]));
     say!(
-        "{:<14} {:>9} {:<12} {:<18} a picture of what the technique does; `gibs render --help` lists the views",
-        "debug",
-        "off",
-        "",
-        "off or a name"
+        "\nIn a settings file (TOML), switches are true or false, and `debug` is a name in quotes."
     );
     Ok(())
 }

@@ -83,7 +83,7 @@ const TABLE: &str = "stress.csv";
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
-    let settings = args.settings.load(None)?;
+    let settings = args.settings.load(args.rays.first().copied())?;
     let mut budgets = Vec::new();
     for budget in &args.rays {
         let mut settings = settings.clone();

@@ -97,8 +97,8 @@ struct Key {
 }
 
 /// A smooth path through key poses: cubic Hermite curves whose tangent at a key is the slope from the key before to the
-/// key after (Catmull and Rom 1974, with times that need not be even). Before the first key and after the last one the
-/// camera rests there.
+/// key after (Catmull and Rom 1974, with times that need not be even). Between two keys with the same position, or target, that
+/// stays where it is. Before the first key and after the last one the camera rests there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraPath {
     /// By frame.
@@ -242,8 +242,13 @@ impl CameraPath {
 
     /// Slope at a key, per frame.
     fn slope(&self, i: usize, of: fn(&Key) -> DVec3) -> DVec3 {
-        let before = &self.keys[i.saturating_sub(1)];
-        let after = &self.keys[(i + 1).min(self.keys.len() - 1)];
+        let before = i.checked_sub(1).map(|i| &self.keys[i]);
+        let (own, after) = (&self.keys[i], self.keys.get(i + 1));
+        let rests = |key: Option<&Key>| key.is_some_and(|key| of(key) == of(own));
+        if rests(before) || rests(after) {
+            return DVec3::ZERO;
+        }
+        let (before, after) = (before.unwrap_or(own), after.unwrap_or(own));
         match after.frame - before.frame {
             length if length > 0.0 => (of(after) - of(before)) / length,
             _ => DVec3::ZERO,

@@ -46,6 +46,30 @@ fn a_path_goes_through_its_keys_smoothly_and_rests_at_its_ends() {
     }
 }
 
+/// Between two keys with the same position the camera stays there, whatever comes before and after, and what it looks at goes its
+/// own way.
+#[test]
+fn a_path_rests_between_equal_keys() {
+    let path = keys(
+        r#"{"frame": 0, "position": [0, 0, 0], "target": [0, 0, -5]},
+           {"frame": 63, "position": [0, 0, 0], "target": [0, 0, -5]},
+           {"frame": 64, "position": [8, 0, 0], "target": [8, 0, -5]},
+           {"frame": 127, "position": [8, 0, 0], "target": [9, 0, -5]}"#,
+    )
+    .expect("a path");
+    for tenth in 0..1400 {
+        let frame = f64::from(tenth) * 0.1;
+        let camera = path.camera(frame);
+        let x = camera.position.x;
+        match frame {
+            ..=63.0 => assert_eq!((x, camera.target.x), (0.0, 0.0), "{frame}"),
+            64.0.. => assert_eq!(x, 8.0, "{frame}"),
+            _ => assert!((0.0..=8.0).contains(&x), "{frame}"),
+        }
+    }
+    assert!(path.camera(100.0).target.x > 8.2);
+}
+
 #[test]
 fn broken_paths_name_file_field_and_value() {
     let pose = r#""position": [0, 0, 0], "target": [0, 0, -1]"#;

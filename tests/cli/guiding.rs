@@ -46,6 +46,14 @@ fn guiding_is_measured_under_environments() {
     let mut columns = csv.lines().map(|line| line.split(',').nth(1).unwrap());
     assert!(columns.next() == Some("guide_side") && columns.all(|side| side == "6"));
 
+    let twice = folder.path("twice");
+    succeed(&[&["guiding", "sun", "sun", "--report", &twice], &few[..]].concat());
+    let named = std::fs::read_to_string(Path::new(&twice).join("guiding.csv")).unwrap();
+    assert!(Path::new(&twice).join("sun-2.svg").is_file());
+    for name in ["\"sun\",", "\"sun-2\","] {
+        assert_eq!(named.matches(name).count(), 4, "{named}");
+    }
+
     let text = succeed(&[&["guiding", "windows", "--guide-side", "8"], &few[..]].concat());
     for part in ["windows on cpu: 4 probes", "guides of 8x8 texels", " % +- "] {
         assert!(text.contains(part), "{part}: {text}");

@@ -86,6 +86,10 @@ fn bad_backends_and_settings_list_what_there_is() {
         &["`radios`", "gibs settings"],
     );
     refused(
+        &["graph", "cornell", "--set", "half-resolution=off"],
+        &["`half-resolution`", "`half_resolution`"],
+    );
+    refused(
         &["graph", "cornell", "--set", "rays=-1"],
         &["`rays`", "`-1`", "0 to 4000000"],
     );
@@ -135,6 +139,25 @@ fn two_options_about_one_setting_are_refused() {
     refused(
         &["render", "cornell", "--rays", "100", "--set", "rays=200"],
         &["`rays`", "`--rays`"],
+    );
+    refused(
+        &["stress", "cornell", "--rays", "20,30", "--set", "rays=10"],
+        &["`rays`", "`--rays`"],
+    );
+    refused(
+        &["graph", "cornell", "--set", "rays=3", "--set", "rays=5"],
+        &["`rays`", "`--set rays=3`"],
+    );
+    refused(
+        &[
+            "render",
+            "cornell",
+            "--debug",
+            "coverage",
+            "--set",
+            "debug=radius",
+        ],
+        &["`debug`", "`--debug`"],
     );
     refused(
         &["guiding", "sun", "--rays", "7", "--rays-per-frame", "8"],
@@ -230,6 +253,16 @@ fn settings_are_listed_with_range_and_meaning() {
             "{name} is not in: {text}"
         );
     }
+    let line = |name: &str| text.lines().find(|line| line.starts_with(name));
+    let words = |name: &str| line(name).map(|l| l.split_whitespace().take(5).collect::<Vec<_>>());
+    assert_eq!(
+        words("depth "),
+        Some(vec!["depth", "on", "off", "or", "on"])
+    );
+    assert_eq!(
+        words("guiding"),
+        Some(vec!["guiding", "off", "off", "or", "on"])
+    );
 }
 
 #[test]

@@ -119,6 +119,8 @@ pub struct SettingInfo {
     pub least: f64,
     /// Largest value.
     pub most: f64,
+    /// Whether it is on or off, 1 or 0 in the numbers above.
+    pub is_switch: bool,
     /// What it does.
     pub about: &'static str,
 }
@@ -128,10 +130,15 @@ pub struct SettingInfo {
 #[non_exhaustive]
 pub enum SettingError {
     /// No such setting.
-    #[error("there is no setting `{name}`; `gibs settings` lists them all")]
+    #[error("there is no setting `{name}`; {}", meant.map_or_else(
+        || "`gibs settings` lists them all".to_owned(),
+        |meant| format!("is `{meant}` meant?"),
+    ))]
     Unknown {
         /// Name given.
         name: String,
+        /// A setting with that name but for its underscores.
+        meant: Option<&'static str>,
     },
     /// Not a value of the setting's type.
     #[error("setting `{name}` cannot be `{value}`: {want}")]
@@ -194,6 +201,7 @@ macro_rules! settings {
                     default: settings!(@number $kind defaults.$name),
                     least: f64::from($least),
                     most: f64::from($most),
+                    is_switch: settings!(@switch $kind),
                     about: $about,
                 }),*]
             }
@@ -225,7 +233,14 @@ macro_rules! settings {
                         };
                         Ok(())
                     }
-                    _ => Err(SettingError::Unknown { name: name.into() }),
+                    _ => {
+                        let like = name.replace('-', "_");
+                        let mut names = [$(stringify!($name)),*].into_iter();
+                        Err(SettingError::Unknown {
+                            name: name.into(),
+                            meant: names.find(|known| *known == like),
+                        })
+                    }
                 }
             }
 
@@ -249,6 +264,8 @@ macro_rules! settings {
             }
         }
     };
+    (@switch bool) => { true };
+    (@switch $kind:ident) => { false };
     (@number bool $e:expr) => { f64::from(u8::from($e)) };
     (@number $kind:ident $e:expr) => { f64::from($e) };
     (@parse bool $e:expr) => { match $e { "true" | "on" | "1" => Some(true), "false" | "off" | "0" => Some(false), _ => None } };

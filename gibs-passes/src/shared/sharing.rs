@@ -46,10 +46,13 @@ pub const OWN_RAYS: f32 = 8.0;
 /// noise would stay in the mean.
 pub const OWN_PART: f32 = 0.5;
 
-/// Frames from one time that a surfel asks to the next, at most. Before it is four times as old, they are a quarter of its age,
-/// rounded down to a power of two: what its neighbours say changes less and less. With twice as many, light that goes out would
-/// linger for seven more frames in the Cornell box.
-pub const MOST_PERIOD: u32 = 4;
+/// Age, in frames, from which on a surfel asks only once in [`PERIOD`] frames: what its neighbours say changes little. One that has
+/// forgotten is young again; where it asked but every second frame from eight on, light that goes out would linger for four more
+/// frames in the Cornell box.
+pub const FRESH: u32 = 16;
+
+/// Frames from one time that a surfel asks to the next.
+pub const PERIOD: u32 = 4;
 
 /// Surfels that ask in the same frames: a workgroup of them, so that those that wait do not keep others waiting.
 pub const TOGETHER: u32 = 64;
@@ -143,13 +146,12 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
 /// holds.
 #[inline]
 pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
-    let quarter = (frame.wrapping_sub(state.since) / 4).clamp(1, MOST_PERIOD);
-    let period = 1 << quarter.ilog2();
     state.samples == 0
         || forget > 0.0
+        || frame.wrapping_sub(state.since) < FRESH
         || (surfel / TOGETHER)
             .wrapping_add(frame)
-            .is_multiple_of(period)
+            .is_multiple_of(PERIOD)
 }
 
 /// Sums over the neighbours of a surfel, itself among them.
