@@ -68,7 +68,7 @@ fn environments_that_cannot_be_read_are_refused() {
     refused(&["guiding", "nowhere"], &["nowhere", "windows", "sun"]);
     refused(
         &["guiding", "sun", "--guide-side", "5"],
-        &["--guide-side", "`5`", "2, 4, 6 or 8"],
+        &["--guide-side", "'5'", "2, 4, 6 or 8"],
     );
     refused(&["guiding", &missing], &["missing.hdr", "cannot read"]);
     refused(
