@@ -47,7 +47,7 @@ pub const OWN_RAYS: f32 = 8.0;
 pub const OWN_PART: f32 = 0.5;
 
 /// Age, in frames, from which on a surfel asks only once in [`PERIOD`] frames: what its neighbours say changes little. One that has
-/// forgotten is young again; where it asked but every second frame from eight on, light that goes out would linger for four more
+/// forgotten is young again; where it asked but every second frame from eight on, light that goes out would linger for three more
 /// frames in the Cornell box.
 pub const FRESH: u32 = 16;
 
