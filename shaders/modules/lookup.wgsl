@@ -1,6 +1,6 @@
 // Weights of a surfel at a point, and the moments of its depth function (GIBS, "Light Apply", "Radial Gaussian Depth").
 import package::surface::surface_unorm16;
-import package::types::SurfelPose;
+import package::types::{Gathered, SurfelPose};
 import package::vector::vector_dot;
 
 /// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
@@ -38,6 +38,11 @@ const LOOKUP_RADIUS_STEPS: u32 = 0x8000u;
 
 /// By how many steps the mean distance in a texel may lack a radius, in the mean, before surfaces count as close.
 const LOOKUP_CLOSE: u32 = LOOKUP_RADIUS_STEPS / 32u;
+
+/// Irradiance where surfels cover a point in part: their weighted mean, and the cell's average for what their weight leaves.
+fn lookup_complete(g: Gathered) -> vec3<f32> {
+    return g.irradiance + g.average * (1.0 - g.weight);
+}
 
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
 fn lookup_steps(texel: u32) -> vec2<f32> {

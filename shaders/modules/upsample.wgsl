@@ -1,4 +1,6 @@
 // The screen passes at half the width and height: which pixels stand for the picture, and what lies between them.
+import package::estimator::estimator_luminance;
+import package::lookup::lookup_complete;
 import package::octahedral::octahedral_unpack;
 import package::types::{Camera, Gathered, SurfacePoint};
 import package::vector::{vector_dot, vector_length};
@@ -7,6 +9,9 @@ import package::vector::{vector_dot, vector_length};
 const UPSAMPLE_PLANE_TOLERANCE: f32 = 0.1;
 /// An edge lies between two points where the cosine of their normals is below this.
 const UPSAMPLE_NORMAL_TOLERANCE: f32 = 0.9;
+
+/// Where the light at the corners of a block of 2x2 pixels differs by more than this factor, every pixel of it is lit by itself.
+const UPSAMPLE_CONTRAST: f32 = 2.0;
 
 /// The pixel by which gap filling sees a texel of `stride` x `stride` pixels in a frame: each in turn.
 fn upsample_pixel_of(texel: vec2<u32>, stride: u32, frame: u32, size: vec2<u32>) -> vec2<u32> {
@@ -18,6 +23,16 @@ fn upsample_pixel_of(texel: vec2<u32>, stride: u32, frame: u32, size: vec2<u32>)
 fn upsample_around(at: vec2<u32>) -> vec4<u32> {
     let odd = at % 2u;
     return vec4<u32>(at - odd, at + odd);
+}
+
+/// The block of 2x2 pixels that a pixel lies in, of a picture of this width.
+fn upsample_block_of(at: vec2<u32>, width: u32) -> u32 {
+    return at.y / 2u * ((width + 1u) / 2u) + at.x / 2u;
+}
+
+/// By how much light differs: luminance of the irradiance, W/m^2.
+fn upsample_light(gathered: Gathered) -> f32 {
+    return estimator_luminance(lookup_complete(gathered));
 }
 
 /// How far a point may be off another's plane, metres; rounding of the points included.

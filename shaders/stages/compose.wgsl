@@ -2,6 +2,7 @@
 import package::direct::direct_irradiance;
 import package::sky::sky_radiance;
 import package::invocation::invocation_index;
+import package::lookup::lookup_complete;
 import package::surface::{surface_albedo, surface_is_surface};
 import package::types::{DispatchArgs, Frame, Gathered, Ray, SurfacePoint};
 
@@ -16,11 +17,6 @@ import package::types::{DispatchArgs, Frame, Gathered, Ray, SurfacePoint};
 @group(0) @binding(8) var<storage, read_write> color: array<vec4<f32>>;
 
 const FRAC_1_PI: f32 = 0.31830987;
-
-/// Irradiance where surfels cover the point in part: their weighted mean and the cell's average.
-fn complete(g: Gathered) -> vec3<f32> {
-    return g.irradiance + g.average * (1.0 - g.weight);
-}
 
 @compute @workgroup_size(64)
 fn main(
@@ -39,7 +35,7 @@ fn main(
         color[i] = vec4<f32>(sky, 0.0);
         return;
     }
-    let indirect = complete(gathered[i]);
+    let indirect = lookup_complete(gathered[i]);
     let all = indirect + direct_irradiance(i);
     let radiance = point.emission + surface_albedo(point) * FRAC_1_PI * all;
     irradiance[i] = vec4<f32>(indirect, gathered[i].weight);

@@ -1,5 +1,6 @@
 // Indirect light as an image of the engine's. One invocation per pixel.
 import package::half_float::half_float_rounded;
+import package::lookup::lookup_complete;
 import package::surface::{surface_albedo, surface_is_surface};
 import package::types::{Camera, Gathered, HostGbuffer, SurfacePoint};
 
@@ -23,7 +24,7 @@ fn main(@builtin(global_invocation_id) at: vec3<u32>) {
     var value = vec4<f32>();
     if surface_is_surface(point) {
         let g = gathered[i];
-        let all = g.irradiance + g.average * (1.0 - g.weight);
+        let all = lookup_complete(g);
         let factor = select(vec3<f32>(1.0), surface_albedo(point) * FRAC_1_PI, host.radiance != 0u);
         // Light beyond the largest 16-bit float stays that.
         value = vec4<f32>(min(all * factor * host.exposure, vec3<f32>(MOST)), g.weight);

@@ -1,20 +1,22 @@
-// The pixels that the surfels light themselves: those with even coordinates, and those at edges.
+// The pixels that the surfels light themselves: those with even coordinates, those at edges, and those where light
+// differed much in the frame before.
 import package::invocation::invocation_index;
 import package::surface::surface_is_surface;
 import package::types::{Camera, SurfacePoint};
-import package::upsample::{upsample_around, upsample_continuous, upsample_tolerance};
+import package::upsample::{upsample_around, upsample_block_of, upsample_continuous, upsample_tolerance};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(2) var<storage, read_write> selected: array<u32>;
+@group(0) @binding(2) var<storage, read> contrasts: array<u32>;
+@group(0) @binding(3) var<storage, read_write> selected: array<u32>;
 
 fn sees(here: SurfacePoint, x: u32, y: u32, tolerance: f32) -> bool {
     return upsample_continuous(here, points[y * camera.width + x], tolerance);
 }
 
 /// The pixel lies between selected ones that see its surface.
-fn between(here: SurfacePoint, i: u32) -> bool {
-    let ends = upsample_around(vec2<u32>(i % camera.width, i / camera.width));
+fn between(here: SurfacePoint, at: vec2<u32>) -> bool {
+    let ends = upsample_around(at);
     if all(ends.xy == ends.zw) || ends.z >= camera.width || ends.w >= camera.height {
         return false;
     }
@@ -39,7 +41,9 @@ fn main(
     // There is no picture yet in a frame that nobody described.
     if i < camera.width * camera.height {
         let here = points[i];
-        found = select(0u, 1u, surface_is_surface(here) && !between(here, i));
+        let at = vec2<u32>(i % camera.width, i / camera.width);
+        let contrast = contrasts[upsample_block_of(at, camera.width)] != 0u;
+        found = select(0u, 1u, surface_is_surface(here) && (contrast || !between(here, at)));
     }
     selected[i] = found;
 }

@@ -35,6 +35,12 @@ pub const ENOUGH_AT_HITS: f32 = 2.0;
 /// the error falls with time only as t^(-2 (1 - a)).
 pub const TRUSTED_AFTER: f32 = 32.0;
 
+/// Irradiance where surfels cover a point in part: their weighted mean, and the cell's average for what their weight leaves.
+#[inline]
+pub fn complete(g: &Gathered) -> Vec3 {
+    g.irradiance + g.average * (1.0 - g.weight)
+}
+
 /// How far to trust a surfel that was born so many frames ago and has integrated rays, in `(0, 1]`.
 #[inline]
 pub fn trust(age: u32) -> f32 {

@@ -1,4 +1,6 @@
 //! The screen passes at half the width and height: which pixels stand for the picture, and what lies between them.
+use super::estimator::luminance;
+use super::lookup::complete;
 use super::octahedral;
 use crate::data::{Camera, Gathered, SurfacePoint};
 use glam::{UVec2, Vec3};
@@ -9,6 +11,10 @@ pub const PLANE_TOLERANCE: f32 = 0.1;
 
 /// An edge lies between two points where the cosine of their normals is below this.
 pub const NORMAL_TOLERANCE: f32 = 0.9;
+
+/// Where the light at the corners of a block of 2x2 pixels differs by more than this factor, every pixel of it is lit by itself:
+/// what lies between is then more than noise, as the two sides of a wall that is thinner than a pixel.
+pub const CONTRAST: f32 = 2.0;
 
 /// The pixel by which gap filling sees a texel of `stride` x `stride` pixels in a frame: each in turn, so that nothing
 /// is too thin to be covered. Where the texel reaches beyond the picture, the last pixel within.
@@ -24,6 +30,23 @@ pub fn pixel_of(texel: UVec2, stride: u32, frame: u32, size: UVec2) -> UVec2 {
 pub fn around(at: UVec2) -> (UVec2, UVec2) {
     let odd = at % 2;
     (at - odd, at + odd)
+}
+
+/// The block of 2x2 pixels that a pixel lies in, of a picture of this width.
+#[inline]
+pub fn block_of(at: UVec2, width: u32) -> u32 {
+    at.y / 2 * width.div_ceil(2) + at.x / 2
+}
+
+/// Blocks of 2x2 pixels that a picture has.
+pub fn blocks(size: [u32; 2]) -> u64 {
+    size.map(|n| u64::from(n.div_ceil(2))).iter().product()
+}
+
+/// By how much light differs: luminance of the irradiance, W/m^2.
+#[inline]
+pub fn light(gathered: &Gathered) -> f32 {
+    luminance(complete(gathered))
 }
 
 /// How far a point may be off another's plane, metres; rounding of the points included.

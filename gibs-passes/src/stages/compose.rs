@@ -1,9 +1,9 @@
 //! `apply/compose`: the picture.
 use super::gather_direct::direct_irradiance;
 use crate::data::{Frame, Gathered, Ray, SurfacePoint};
-use crate::shared::{environment, surface};
+use crate::shared::{environment, lookup, surface};
 use gibs_graph::{DispatchArgs, Workgroup, stage};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use std::f32::consts::FRAC_1_PI;
 
 stage! {
@@ -28,12 +28,6 @@ stage! {
     }
 }
 
-/// Irradiance where surfels cover the point in part: their weighted mean and the cell's average.
-#[inline]
-pub fn complete(g: &Gathered) -> Vec3 {
-    g.irradiance + g.average * (1.0 - g.weight)
-}
-
 fn kernel(p: &Views<'_>, group: Workgroup) {
     for i in group.range(p.batch.count) {
         let point = &p.points[i];
@@ -47,7 +41,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             p.color.set(i, sky.extend(0.0));
             continue;
         }
-        let indirect = complete(&p.gathered[i]);
+        let indirect = lookup::complete(&p.gathered[i]);
         let all = indirect + direct_irradiance(&p.direct, i);
         let color = point.emission + surface::albedo(point) * FRAC_1_PI * all;
         p.irradiance.set(i, indirect.extend(p.gathered[i].weight));

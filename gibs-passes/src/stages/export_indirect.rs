@@ -1,7 +1,6 @@
 //! `apply/export`: indirect light as an image of the engine's.
-use super::compose;
 use crate::data::{Camera, Gathered, HostGbuffer, SurfacePoint};
-use crate::shared::surface;
+use crate::shared::{lookup, surface};
 use gibs_graph::{Rgba16Float, Workgroup, stage};
 use glam::{Vec3, Vec4};
 use std::f32::consts::FRAC_1_PI;
@@ -46,7 +45,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             } else {
                 Vec3::ONE
             };
-            let light = compose::complete(&p.gathered[i]) * factor;
+            let light = lookup::complete(&p.gathered[i]) * factor;
             // Light beyond the largest 16-bit float stays that; infinity would spread through the engine's filters.
             (light * p.host.exposure)
                 .min(Vec3::splat(MOST))

@@ -8,13 +8,15 @@ use std::ops::Range;
 
 stage! {
     /// Selects the pixels with even coordinates, a quarter of them, and those at edges: where one of the two or four
-    /// around a pixel sees another surface than it does, or lies beyond the picture. `selected` is 1 for those.
+    /// around a pixel sees another surface than it does, or lies beyond the picture; and every pixel of a block of 2x2 across
+    /// which light differed much in the frame before. `selected` is 1 for those.
     pub stage SelectPixels {
         wgsl: gibs_shaders::stages::SELECT_PIXELS,
         workgroup: [64, 1, 1],
         ports: {
             uniform camera: Camera,
             read points: SurfacePoint,
+            read contrasts: u32,
             write selected: u32,
         },
         cpu: kernel,
@@ -25,13 +27,13 @@ stage! {
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.points.len() as u32);
     let set = |i, selected| p.selected.set(i, u32::from(selected));
-    simd::select_pixels(p.camera, &p.points, range, set);
+    simd::select_pixels(p.camera, &p.points, &p.contrasts, range, set);
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.points.len() as u32);
     let set = |i, selected| p.selected.set(i, u32::from(selected));
-    select_each(p.camera, &p.points, range, set);
+    select_each(p.camera, &p.points, &p.contrasts, range, set);
 }
 
 /// Calls `set` with each index of a range, and whether the surfels light this pixel.
@@ -39,27 +41,30 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
 pub fn select_each(
     camera: &Camera,
     points: &[SurfacePoint],
+    contrasts: &[u32],
     range: Range<usize>,
     mut set: impl FnMut(usize, bool),
 ) {
     let size = UVec2::new(camera.width, camera.height);
+    let at = |i: usize| UVec2::new(i as u32 % size.x, i as u32 / size.x);
     for i in range {
         // There is no picture yet in a frame that nobody described.
         let selected = (i as u32) < size.x * size.y
             && surface::is_surface(&points[i])
-            && !between(camera, points, i, size);
+            && (contrasts[upsample::block_of(at(i), size.x) as usize] != 0
+                || !between(camera, points, at(i), size));
         set(i, selected);
     }
 }
 
 /// The pixel lies between selected ones that see its surface.
 #[inline]
-fn between(camera: &Camera, points: &[SurfacePoint], i: usize, size: UVec2) -> bool {
-    let (low, high) = upsample::around(UVec2::new(i as u32 % size.x, i as u32 / size.x));
+fn between(camera: &Camera, points: &[SurfacePoint], at: UVec2, size: UVec2) -> bool {
+    let (low, high) = upsample::around(at);
     if low == high || high.x >= size.x || high.y >= size.y {
         return false;
     }
-    let here = &points[i];
+    let here = &points[(at.y * size.x + at.x) as usize];
     let tolerance = upsample::tolerance(here, camera);
     let geometric = octahedral::unpack(here.geometric_normal);
     let shading = octahedral::unpack(here.shading_normal);

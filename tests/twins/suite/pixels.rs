@@ -4,7 +4,7 @@ use super::inputs::Draw;
 use super::surfaces::point;
 use gibs_graph::glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
 use gibs_passes::data::{Camera, DebugPixel, Gathered, HostGbuffer, SurfacePoint};
-use gibs_passes::shared::{debug, gbuffer, octahedral, upsample};
+use gibs_passes::shared::{debug, gbuffer, lookup, octahedral, upsample};
 
 /// A camera that looks anywhere.
 fn camera(d: &mut Draw) -> Camera {
@@ -112,6 +112,16 @@ twin! {
     bound EXACT,
 }
 twin! {
+    block_of ["upsample::upsample_block_of"], (at: UVec2, width: u32) -> u32,
+    wgsl "upsample_block_of(at, width)",
+    rust upsample::block_of(at, width),
+    draw |d| {
+        let width = 1 + d.below(65_536);
+        (UVec2::new(d.below(width), d.below(65_536)), width)
+    },
+    bound EXACT,
+}
+twin! {
     tolerance ["upsample::upsample_tolerance"], (point: SurfacePoint, camera: Camera) -> f32,
     wgsl "upsample_tolerance(point, camera)",
     rust upsample::tolerance(&point, &camera),
@@ -139,6 +149,20 @@ fn gathered(d: &mut Draw) -> Gathered {
         average: d.light(-10, 10),
         confidence: d.unit(),
     }
+}
+twin! {
+    complete ["lookup::lookup_complete"], (g: Gathered) -> Vec3,
+    wgsl "lookup_complete(g)",
+    rust lookup::complete(&g),
+    draw |d| (super::gathered(d),),
+    bound ROUNDED,
+}
+twin! {
+    light ["upsample::upsample_light"], (g: Gathered) -> f32,
+    wgsl "upsample_light(g)",
+    rust upsample::light(&g),
+    draw |d| (super::gathered(d),),
+    bound ROUNDED,
 }
 twin! {
     mean_of_four ["upsample::upsample_mean"], (a: Gathered, b: Gathered, c: Gathered, e: Gathered) -> Gathered,
@@ -173,8 +197,11 @@ twins!(
     gbuffer_sides,
     pixel_of,
     around,
+    block_of,
     tolerance,
     continuous,
+    complete,
+    light,
     mean_of_four,
     debug_nothing,
     headlight,

@@ -113,7 +113,7 @@ pub(super) fn apply(
         )
     };
     let gathered = if frame.settings.half_resolution {
-        upsample::at_half_resolution(g, scene, &points, |g, batch, points| {
+        upsample::at_half_resolution(g, scene, &points, frame.size, |g, batch, points| {
             light(g, batch, points, "apply_packed_gathered")
         })
     } else {

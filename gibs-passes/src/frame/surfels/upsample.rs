@@ -3,20 +3,24 @@ use crate::data::*;
 use crate::frame::SceneInputs;
 use crate::frame::trace::Batch;
 use crate::shared::scan::exclusive_scan;
+use crate::shared::upsample::blocks;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph};
+use gibs_graph::{Buffer, Dispatch, Graph, Initial};
 
 /// Selects pixels, has `light` gather surfels at those, and interpolates between them.
 ///
 /// Selected pixels are packed, so that one stage gathers at all of them without idle invocations. Room is for every
-/// pixel, since edges may be anywhere.
+/// pixel, since edges may be anywhere. Where light differs much between pixels is known once it is gathered, and so in the
+/// next frame.
 pub(super) fn at_half_resolution(
     g: &mut Graph,
     scene: &SceneInputs,
     points: &Buffer<SurfacePoint>,
+    size: [u32; 2],
     light: impl FnOnce(&mut Graph, &Batch<'_>, &Buffer<SurfacePoint>) -> Buffer<Gathered>,
 ) -> Buffer<Gathered> {
     let pixels = points.len();
+    let (state, contrasts) = g.state("apply_contrasts", blocks(size), Initial::Zero);
     let selected = g.transient("apply_selected", pixels);
     let selected = g
         .add::<select_pixels::SelectPixels>(
@@ -24,6 +28,7 @@ pub(super) fn at_half_resolution(
             select_pixels::Inputs {
                 camera: &scene.camera,
                 points,
+                contrasts: &contrasts,
                 selected,
             },
             Dispatch::Elements(pixels),
@@ -62,7 +67,10 @@ pub(super) fn at_half_resolution(
         scanned: &scanned,
         packed: &packed_gathered,
         gathered,
+        contrasts,
     };
-    g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels))
-        .gathered
+    let upsampled =
+        g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels));
+    g.keep(state, upsampled.contrasts);
+    upsampled.gathered
 }
