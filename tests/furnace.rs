@@ -67,6 +67,25 @@ fn surfels_have_the_closed_form_within_three_percent() {
     }
 }
 
+/// Paths that end at once, where no surfel is, take the light of the surfel that they began at: in a room that looks alike
+/// everywhere, nothing is missing.
+#[test]
+fn paths_that_end_have_the_closed_form_too() {
+    let albedo = 0.5;
+    let settings = Settings {
+        continuations: 0,
+        ..settings(10_000)
+    };
+    let scene = builtin::furnace(albedo, 1.0);
+    let radiance = mean(
+        &render(cpu().as_ref(), &scene, [64, 64], 96, &settings, 1),
+        "",
+    );
+    let want = 1.0 / (1.0 - f64::from(albedo));
+    println!("albedo {albedo}: surfels {radiance:.4}, closed form {want:.4}");
+    assert!((radiance / want - 1.0).abs() < 0.03, "{radiance}");
+}
+
 /// The Cornell box, open to a sky, under a sun and with a point light in it; all light times `scale`.
 fn lit(scale: f32) -> (Scene, View) {
     let (mut scene, mut view) = builtin::by_name("cornell").expect("built in");

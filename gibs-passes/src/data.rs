@@ -154,8 +154,6 @@ element! {
         depth_blend: f32,
         /// 1 where the firefly clamp of the estimator is on.
         clamp: u32,
-        /// Most segments of a path beyond its first hit.
-        continuations: u32,
         /// 1 where the variance of surfels decides about their rays.
         steered: u32,
         /// Pixels along each side of a texel of gap filling, 1 or 2.
@@ -172,6 +170,8 @@ element! {
         fallback: u32,
         /// Texels along each side of a guide.
         guide_side: u32,
+        /// Padding.
+        pad: u32,
     }
 
     /// Normals and texture coordinates of a triangle's vertices.
@@ -410,8 +410,8 @@ element! {
         root: u32,
         /// State of its random numbers.
         seed: u32,
-        /// Segments that may still follow.
-        remaining: u32,
+        /// Surfel that it began at.
+        surfel: u32,
         /// Cosine of the segment's ray with the normal where it begins.
         cosine: f32,
         /// Density of the ray over the lobe there, 1/sr; negative where the ray was sent to an emitter.

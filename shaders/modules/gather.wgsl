@@ -30,8 +30,8 @@ fn gather_openness(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
 /// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
-/// weight is below one and it is wanted.
-fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average: bool) -> Gathered {
+/// weight is below one and it is wanted; what little of it is visible is filled up with `beyond`.
+fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average: bool, beyond: vec3<f32>) -> Gathered {
     let at = grid_cell(point, grid);
     let cell = cells[at];
     let count = min(cell.y, settings.lookup);
@@ -90,6 +90,7 @@ fn lookup_gather(point: vec3<f32>, normal: vec3<f32>, enough: f32, wants_average
         g.average += light[id].irradiance * weight;
         average_weight += weight;
     }
-    g.average /= max(average_weight, LOOKUP_AVERAGE_LEAST);
+    let lacking = max(LOOKUP_AVERAGE_LEAST - average_weight, 0.0);
+    g.average = (g.average + beyond * lacking) / max(average_weight, LOOKUP_AVERAGE_LEAST);
     return g;
 }

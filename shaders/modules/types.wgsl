@@ -109,7 +109,6 @@ struct SurfelSettings {
     lookup: u32,
     depth_blend: f32,
     clamp: u32,
-    continuations: u32,
     steered: u32,
     stride: u32,
     hit_births: u32,
@@ -118,6 +117,7 @@ struct SurfelSettings {
     depth_side: u32,
     fallback: u32,
     guide_side: u32,
+    pad: u32,
 }
 
 struct Corners {
@@ -253,7 +253,7 @@ struct Path {
     throughput: vec3<f32>,
     root: u32,
     seed: u32,
-    remaining: u32,
+    surfel: u32,
     cosine: f32,
     density: f32,
 }

@@ -47,7 +47,6 @@ fn main(
     let slot = before[i / PATHS_PER_WORD] + countOneBits(word & ((1u << bit) - 1u));
     next_rays[slot] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
     path.seed = third;
-    path.remaining -= 1u;
     path.cosine = drawn.cosine;
     path.density = drawn.density;
     next_paths[slot] = path;

@@ -1,5 +1,5 @@
 // Irradiance at the hits of rays from surfels around them: as gather_surfels, up to a weight that is enough, and with the
-// cell's average for paths that end.
+// cell's average where paths end, filled up with the irradiance of the surfel that each began at.
 import package::gather::lookup_gather;
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_ENOUGH_AT_HITS;
@@ -21,14 +21,21 @@ import package::types::{
 @if(paths) @group(0) @binding(9) var<storage, read> paths: array<Path>;
 @group(0) @binding(10) var<storage, read_write> gathered: array<Gathered>;
 
+/// Irradiance of the surfel that a path began at.
 @if(paths)
-fn ends(i: u32) -> bool {
-    return settings.fallback != 0u && paths[i].remaining == 0u;
+fn irradiance_beyond(i: u32) -> vec3<f32> {
+    let known = light[paths[i].surfel];
+    return select(vec3<f32>(0.0), known.irradiance, known.trust > 0.0);
 }
 @else
-fn ends(i: u32) -> bool {
-    return false;
+fn irradiance_beyond(i: u32) -> vec3<f32> {
+    return vec3<f32>(0.0);
 }
+
+@if(paths)
+const ENDS = true;
+@else
+const ENDS = false;
 
 @compute @workgroup_size(64)
 fn main(
@@ -44,7 +51,8 @@ fn main(
     var found = Gathered();
     if surface_is_surface(point) {
         let normal = octahedral_unpack(point.shading_normal);
-        found = lookup_gather(point.position, normal, LOOKUP_ENOUGH_AT_HITS, ends(i));
+        let wants_average = ENDS && settings.fallback != 0u;
+        found = lookup_gather(point.position, normal, LOOKUP_ENOUGH_AT_HITS, wants_average, irradiance_beyond(i));
     }
     gathered[i] = found;
 }

@@ -34,7 +34,8 @@ fn main(
     let point = points[i];
     var found = Gathered();
     if surface_is_surface(point) {
-        found = lookup_gather(point.position, octahedral_unpack(point.shading_normal), ALL, settings.fallback != 0u);
+        let normal = octahedral_unpack(point.shading_normal);
+        found = lookup_gather(point.position, normal, ALL, settings.fallback != 0u, vec3<f32>(0.0));
     }
     gathered[i] = found;
 }

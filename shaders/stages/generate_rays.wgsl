@@ -102,7 +102,7 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= arrayLength(&poses) {
+    if i >= settings.capacity {
         return;
     }
     let span = spans[i];
@@ -118,6 +118,6 @@ fn main(
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
         let origin = sampling_start(pose.position, pose.normal, births[i].offset, drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
-        paths[ray] = Path(vec3<f32>(1.0), ray, seed, settings.continuations, drawn.cosine, drawn.density);
+        paths[ray] = Path(vec3<f32>(1.0), ray, seed, i, drawn.cosine, drawn.density);
     }
 }

@@ -19,9 +19,16 @@ import package::vector::{vector_dot, vector_max_element};
 @if(environment) @group(0) @binding(6) var<storage, read> environment: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> paths: array<Path>;
 @group(0) @binding(8) var<storage, read_write> radiance: array<vec4<f32>>;
-@group(0) @binding(9) var<storage, read_write> goes_on: array<u32>;
+@if(goes_on) @group(0) @binding(9) var<storage, read_write> goes_on: array<u32>;
+
+/// No path goes on.
+@if(goes_on)
+const ENDS = false;
+@else
+const ENDS = true;
 
 /// A bit for each path of the workgroup that goes on. Zero when it starts.
+@if(goes_on)
 var<workgroup> going: array<atomic<u32>, 2>;
 
 const PATHS_PER_WORD: u32 = 32u;
@@ -57,13 +64,13 @@ fn shade(i: u32) -> bool {
         let seed = hash_pcg(path.seed);
         let trusted = gathered[i].weight * gathered[i].confidence;
         var arriving = direct_irradiance(i);
-        if path.remaining == 0u {
+        if ENDS {
             // The path ends here: all that the surfels know, and the cell's average for what they leave.
             arriving += gathered[i].irradiance + gathered[i].average * (1.0 - gathered[i].weight);
         } else {
             arriving += gathered[i].irradiance * gathered[i].confidence;
         }
-        if path.remaining != 0u && factor > 0.0 && hash_unit(seed) < (1.0 - trusted) * largest {
+        if !ENDS && factor > 0.0 && hash_unit(seed) < (1.0 - trusted) * largest {
             goes = true;
             paths[i].throughput = path.throughput * factor * albedo / largest;
             paths[i].seed = seed;
@@ -77,13 +84,8 @@ fn shade(i: u32) -> bool {
     return goes;
 }
 
-@compute @workgroup_size(64)
-fn main(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let i = invocation_index(group, groups, 64u, lane);
+@if(goes_on)
+fn shade_all(i: u32, lane: u32) {
     let is_path = i < batch.count;
     if is_path {
         if shade(i) {
@@ -94,4 +96,20 @@ fn main(
     if is_path && lane % PATHS_PER_WORD == 0u {
         goes_on[i / PATHS_PER_WORD] = atomicLoad(&going[lane / PATHS_PER_WORD]);
     }
+}
+@else
+fn shade_all(i: u32, lane: u32) {
+    if i < batch.count {
+        shade(i);
+    }
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let i = invocation_index(group, groups, 64u, lane);
+    shade_all(i, lane);
 }

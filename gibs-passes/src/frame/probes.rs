@@ -80,10 +80,6 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
     );
     let gathered = g.zeroed("gathered", most);
     let radiance = g.zeroed("radiance", most);
-    let goes_on = g.transient(
-        "goes_on",
-        most.div_ceil(u64::from(count_paths::PATHS_PER_WORD)),
-    );
     let shaded = g.add::<shade_hits::ShadeHits>(
         "probes/shade_hits",
         shade_hits::Inputs {
@@ -96,7 +92,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             environment: Some(&environment),
             paths: generated.paths,
             radiance,
-            goes_on,
+            goes_on: None,
         },
         Dispatch::Elements(most),
     );

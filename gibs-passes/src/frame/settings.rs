@@ -394,12 +394,12 @@ impl Settings {
             guide_side: self.guide_side,
             fallback: u32::from(self.fallback),
             clamp: u32::from(self.clamp),
-            continuations: self.continuations,
             hit_births: self.hit_births,
             geometric_normals: u32::from(self.geometric_normals),
             steered: u32::from(self.steering),
             debug: self.debug.map_or(0, DebugView::number),
             stride: self.stride(),
+            pad: 0,
         }
     }
 }

@@ -41,6 +41,13 @@ pub fn complete(g: &Gathered) -> Vec3 {
     g.irradiance + g.average * (1.0 - g.weight)
 }
 
+/// A cell's average, of irradiance that was summed with these weights; `beyond` fills it up to the least of them.
+#[inline]
+pub fn average(sum: Vec3, weights: f32, beyond: Vec3) -> Vec3 {
+    let lacking = (AVERAGE_LEAST - weights).max(0.0);
+    (sum + beyond * lacking) / weights.max(AVERAGE_LEAST)
+}
+
 /// How far to trust a surfel that was born so many frames ago and has integrated rays, in `(0, 1]`.
 #[inline]
 pub fn trust(age: u32) -> f32 {
@@ -137,17 +144,17 @@ pub fn coverages(
     })
 }
 
-/// [`gather`] at each of several points, nothing where there is none. `averaged` tells where the cell's average is wanted.
+/// [`gather`] at each of several points, nothing where there is none.
 #[inline]
 pub fn gathers(
     points: &Points<'_>,
     enough: f32,
-    averaged: impl Fn(usize) -> bool,
+    beyond: impl Fn(usize) -> Option<Vec3>,
     s: &Surfels<'_>,
     light: &[SurfelLight],
 ) -> [Gathered; AT_A_TIME] {
     std::array::from_fn(|i| match points[i] {
-        Some(point) => gather(&Place::new(point, s), enough, averaged(i), s, light),
+        Some(point) => gather(&Place::new(point, s), enough, beyond(i), s, light),
         None => Gathered::default(),
     })
 }
@@ -218,12 +225,12 @@ pub fn neighbours(
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
 /// weight is `enough`, at least one. The cell's average, with normal and depth weights only, is found where the summed
-/// weight is below one, where it is wanted.
+/// weight is below one, where it is wanted: `beyond` is what fills it up where little of the cell is visible.
 #[inline]
 pub fn gather(
     place: &Place<'_>,
     enough: f32,
-    averaged: bool,
+    beyond: Option<Vec3>,
     s: &Surfels<'_>,
     light: &[SurfelLight],
 ) -> Gathered {
@@ -267,9 +274,9 @@ pub fn gather(
         g.irradiance *= g.weight / total;
         g.confidence /= total;
     }
-    if g.weight >= 1.0 || !averaged {
+    let Some(beyond) = beyond.filter(|_| g.weight < 1.0) else {
         return g;
-    }
+    };
     let mut average_weight = 0.0;
     for &id in &list.ids[..list.ids.len().min(AVERAGE_OF)] {
         let id = id as usize;
@@ -287,7 +294,7 @@ pub fn gather(
         g.average += light[id].irradiance * weight;
         average_weight += weight;
     }
-    g.average /= average_weight.max(AVERAGE_LEAST);
+    g.average = average(g.average, average_weight, beyond);
     g
 }
 

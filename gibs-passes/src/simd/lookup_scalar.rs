@@ -2,6 +2,7 @@
 use crate::data::{Gathered, SurfelLight};
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
+use glam::Vec3;
 
 /// The lookup with the best instructions of this processor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,10 +47,10 @@ impl Lookup {
         self,
         points: &Points<'_>,
         enough: f32,
-        averaged: impl Fn(usize) -> bool,
+        beyond: impl Fn(usize) -> Option<Vec3>,
         s: &Surfels<'_>,
         light: &[SurfelLight],
     ) -> [Gathered; AT_A_TIME] {
-        lookup::gathers(points, enough, averaged, s, light)
+        lookup::gathers(points, enough, beyond, s, light)
     }
 }

@@ -104,7 +104,6 @@ pub fn continue_each(p: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usi
         };
         let path = Path {
             seed: third,
-            remaining: path.remaining - 1,
             cosine: drawn.cosine,
             density: drawn.density,
             ..*path

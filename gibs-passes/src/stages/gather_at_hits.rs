@@ -7,12 +7,13 @@ use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// As [`GatherSurfels`](super::gather_surfels::GatherSurfels), with as many surfels as are enough for the light of a ray
-    /// ("we evaluate the existing surfel lighting at those locations"). The cell's average is found for paths that end: where
-    /// there may be any, `paths` is bound.
+    /// ("we evaluate the existing surfel lighting at those locations"). Where `paths` is bound, they end here: the cell's average is
+    /// found, and what that lacks is filled up with the irradiance of the surfel that the path began at, as if light were
+    /// the same here and there. In a closed room of one colour that is so.
     pub stage GatherAtHits {
         wgsl: gibs_shaders::stages::GATHER_AT_HITS,
         workgroup: [64, 1, 1],
@@ -35,15 +36,15 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    gather(p, group, |points, ends, surfels, light| {
-        lookup::gathers(points, lookup::ENOUGH_AT_HITS, ends, surfels, light)
+    gather(p, group, |points, beyond, surfels, light| {
+        lookup::gathers(points, lookup::ENOUGH_AT_HITS, beyond, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    gather(p, group, |points, ends, surfels, light| {
-        wide.gathers(points, lookup::ENOUGH_AT_HITS, ends, surfels, light)
+    gather(p, group, |points, beyond, surfels, light| {
+        wide.gathers(points, lookup::ENOUGH_AT_HITS, beyond, surfels, light)
     });
 }
 
@@ -53,7 +54,7 @@ fn gather(
     group: Workgroup,
     gathers: impl Fn(
         &Points<'_>,
-        &dyn Fn(usize) -> bool,
+        &dyn Fn(usize) -> Option<Vec3>,
         &Surfels<'_>,
         &[SurfelLight],
     ) -> [Gathered; AT_A_TIME],
@@ -69,9 +70,16 @@ fn gather(
     let (points, light) = (p.points.slice(), p.light.slice());
     let range = group.range(p.batch.count);
     let fallback = p.settings.fallback != 0;
-    let ends = |i: usize| fallback && !p.paths.is_empty() && p.paths[i].remaining == 0;
+    let beyond = |i: usize| {
+        let of = p.paths.get(i).filter(|_| fallback)?;
+        let light = light[of.surfel as usize];
+        Some(match light.trust > 0.0 {
+            true => light.irradiance,
+            false => Vec3::ZERO,
+        })
+    };
     lookup::at_points(points, range, |first, count, points| {
-        let gathered = gathers(points, &|i| ends(first + i), &surfels, light);
+        let gathered = gathers(points, &|i| beyond(first + i), &surfels, light);
         for (i, gathered) in (first..).zip(&gathered[..count]) {
             p.gathered.set(i, *gathered);
         }

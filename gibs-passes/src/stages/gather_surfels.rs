@@ -5,7 +5,7 @@ use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::simd;
 use gibs_graph::{DispatchArgs, Workgroup, stage};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 
 stage! {
     /// Finds each point's cell, takes its first N surfels and weights their irradiance by distance, normal and depth
@@ -32,16 +32,16 @@ stage! {
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     gather(p, group, |points, surfels, light| {
-        let averaged = surfels.settings.fallback != 0;
-        lookup::gathers(points, f32::MAX, |_| averaged, surfels, light)
+        let beyond = (surfels.settings.fallback != 0).then_some(Vec3::ZERO);
+        lookup::gathers(points, f32::MAX, |_| beyond, surfels, light)
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
     gather(p, group, |points, surfels, light| {
-        let averaged = surfels.settings.fallback != 0;
-        wide.gathers(points, f32::MAX, |_| averaged, surfels, light)
+        let beyond = (surfels.settings.fallback != 0).then_some(Vec3::ZERO);
+        wide.gathers(points, f32::MAX, |_| beyond, surfels, light)
     });
 }
 

@@ -35,12 +35,12 @@ stage! {
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    let range = group.range(p.poses.len() as u32);
+    let range = group.range(p.settings.capacity);
     simd::generate_rays(&surfels(p), range, setter(p));
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let range = group.range(p.poses.len() as u32);
+    let range = group.range(p.settings.capacity);
     generate_each(&surfels(p), range, setter(p));
 }
 
@@ -54,7 +54,6 @@ fn setter(p: &Views<'_>) -> impl FnMut(usize, Ray, Path) {
 fn surfels<'a>(p: &Views<'a>) -> Surfels<'a> {
     Surfels {
         frame: p.frame,
-        settings: p.settings,
         poses: p.poses.slice(),
         births: p.births.slice(),
         irradiance: p.irradiance.slice(),
@@ -69,8 +68,6 @@ fn surfels<'a>(p: &Views<'a>) -> Surfels<'a> {
 pub struct Surfels<'a> {
     /// The frame.
     pub frame: &'a Frame,
-    /// Settings.
-    pub settings: &'a SurfelSettings,
     /// Where surfels are.
     pub poses: &'a [SurfelPose],
     /// As they were born.
@@ -168,7 +165,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
                     throughput: Vec3::ONE,
                     root: ray,
                     seed,
-                    remaining: p.settings.continuations,
+                    surfel: i as u32,
                     cosine: drawn.cosine,
                     density: drawn.density,
                 },

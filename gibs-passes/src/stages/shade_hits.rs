@@ -14,8 +14,8 @@ stage! {
     /// Adds to each path's root: the sky for a miss; else emission, and albedo over pi times the direct irradiance and
     /// the surfels' irradiance at the hit (GIBS, "Integrating Irradiance"). Where the surfels' trusted weight is below
     /// one, the path goes on with the probability of what is missing times the albedo's largest part, so that nothing
-    /// is lost on average; a path at its last segment takes the cell's average instead. `goes_on` has a bit for each
-    /// path, the lowest first, which is set for those that go on. Each segment counts by the mixture that its ray was
+    /// is lost on average. `goes_on` has a bit for each path, the lowest first, which is set for those that go on; where it
+    /// is not bound, paths end, and take the cell's average instead. Each segment counts by the mixture that its ray was
     /// drawn from.
     pub stage ShadeHits {
         wgsl: gibs_shaders::stages::SHADE_HITS,
@@ -30,7 +30,7 @@ stage! {
             optional_read environment: Vec4,
             read_write paths: Path,
             read_write radiance: Vec4,
-            write goes_on: u32,
+            optional_write goes_on: u32,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -66,6 +66,9 @@ fn set_one(p: &Views<'_>, goes_on: &mut u64, i: usize, shaded: Shaded) {
 
 /// Writes which of a workgroup's paths go on, in as many words as there are paths for.
 fn set_goes_on(p: &Views<'_>, group: Workgroup, goes_on: u64) {
+    if p.goes_on.is_empty() {
+        return;
+    }
     let range = group.range(p.batch.count);
     for (word, first) in range.step_by(PATHS_PER_WORD as usize).enumerate() {
         let bits = goes_on >> (word as u32 * PATHS_PER_WORD);
@@ -81,6 +84,7 @@ fn hits<'a>(p: &Views<'a>) -> Hits<'a> {
         direct: p.direct.slice(),
         gathered: p.gathered.slice(),
         environment: p.environment.slice(),
+        ends: p.goes_on.is_empty(),
     }
 }
 
@@ -99,6 +103,8 @@ pub struct Hits<'a> {
     pub gathered: &'a [Gathered],
     /// The sky; empty in a frame without.
     pub environment: &'a [Vec4],
+    /// No path goes on.
+    pub ends: bool,
 }
 
 /// What comes of a segment.
@@ -150,13 +156,13 @@ pub fn shade_each(
             let seed = hash::pcg(path.seed);
             let trusted = gathered.weight * gathered.confidence;
             let mut arriving = direct_irradiance(hits.direct, i);
-            if path.remaining == 0 {
+            if hits.ends {
                 // The path ends here: all that the surfels know, and the cell's average for what they leave.
                 arriving += gathered.irradiance + gathered.average * (1.0 - gathered.weight);
             } else {
                 arriving += gathered.irradiance * gathered.confidence;
             }
-            if path.remaining != 0 && factor > 0.0 && hash::unit(seed) < (1.0 - trusted) * largest {
+            if !hits.ends && factor > 0.0 && hash::unit(seed) < (1.0 - trusted) * largest {
                 goes_on = Some(Path {
                     throughput: path.throughput * factor * albedo / largest,
                     seed,

@@ -104,18 +104,18 @@ fn visiting(lookup: u32) -> SurfelSettings {
 // Grid and settings are uniforms of the stages; here the case has them.
 twin! {
     lookup_gather ["gather::lookup_gather", "gather::gather_openness", "gather::gather_share"],
-    (point: Vec3, normal: Vec3, enough: f32, averaged: u32, shape: GridShape, visits: u32) -> Gathered,
-    wgsl "grid = shape; settings.lookup = visits; settings.depth_side = 4u; return lookup_gather(point, normal, enough, averaged != 0u);",
+    (point: Vec3, normal: Vec3, enough: f32, averaged: u32, beyond: Vec3, shape: GridShape, visits: u32) -> Gathered,
+    wgsl "grid = shape; settings.lookup = visits; settings.depth_side = 4u; return lookup_gather(point, normal, enough, averaged != 0u, beyond);",
     rust {
         let settings = super::visiting(visits);
         let s = Surfels { cells, entries, poses, depths: Depths::new(depths, settings.depth_side), grid: &shape, settings: &settings };
         let place = Place { position: point, normal, list: s.around(point) };
-        lookup::gather(&place, enough, averaged != 0, &s, light)
+        lookup::gather(&place, enough, (averaged != 0).then_some(beyond), &s, light)
     },
     draw |d| {
         let (point, normal) = super::at(d);
         let enough = d.one_of(&[2.0, f32::MAX, 0.5]);
-        (point, normal, enough, d.flag(), super::shape(), d.one_of(&[4, 64]))
+        (point, normal, enough, d.flag(), d.light(-4, 4), super::shape(), d.one_of(&[4, 64]))
     },
     bound ROUNDED,
     uses ["types::SurfelSettings"],

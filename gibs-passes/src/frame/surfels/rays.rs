@@ -166,8 +166,10 @@ pub(super) fn integrate_rays(
                 flags: found.flags,
             }
         });
-        let words = budget.div_ceil(u64::from(count_paths::PATHS_PER_WORD));
-        let goes_on = g.transient(&format!("goes_on{suffix}"), words);
+        let goes_on = (depth < settings.continuations).then(|| {
+            let words = budget.div_ceil(u64::from(count_paths::PATHS_PER_WORD));
+            g.transient(&format!("goes_on{suffix}"), words)
+        });
         let shaded = g.add::<shade_hits::ShadeHits>(
             &format!("persistent/shade_hits{suffix}"),
             shade_hits::Inputs {
@@ -186,7 +188,7 @@ pub(super) fn integrate_rays(
         );
         radiance = shaded.radiance;
         first_hits.get_or_insert(hits);
-        let next = (depth < settings.continuations).then(|| {
+        let next = shaded.goes_on.as_ref().map(|goes_on| {
             continue_segment(
                 g,
                 depth,
@@ -194,7 +196,7 @@ pub(super) fn integrate_rays(
                 &batch,
                 &points,
                 &shaded.paths,
-                &shaded.goes_on,
+                goes_on,
                 emitters,
             )
         });

@@ -15,11 +15,11 @@ fn gathered(surfels: &[(f32, f32)]) -> Gathered {
         mark,
     });
     let light: Vec<f32> = surfels.iter().map(|surfel| surfel.1).collect();
-    from(&poses.collect::<Vec<_>>(), &light, false)
+    from(&poses.collect::<Vec<_>>(), &light, None)
 }
 
 /// What is gathered at the origin, with normal z, from surfels with these lights, whose depth functions are open.
-fn from(poses: &[SurfelPose], light: &[f32], averaged: bool) -> Gathered {
+fn from(poses: &[SurfelPose], light: &[f32], beyond: Option<f32>) -> Gathered {
     let layout = GridLayout::new(4, 10.0);
     let grid = layout.at(Vec3::ONE, 4.0);
     let cell = grid::cell(Vec3::ZERO, &grid);
@@ -54,7 +54,8 @@ fn from(poses: &[SurfelPose], light: &[f32], averaged: bool) -> Gathered {
         normal: Vec3::Z,
         list: s.around(Vec3::ZERO),
     };
-    gather(&place, f32::MAX, averaged, &s, &light)
+    let beyond = beyond.map(Vec3::splat);
+    gather(&place, f32::MAX, beyond, &s, &light)
 }
 
 /// A kernel spread over its disc: half the radius counts four times.
@@ -99,16 +100,24 @@ fn the_average_reaches_where_no_surfel_does() {
     };
     let leaning = pose(Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.6, 0.8));
     let turned = pose(Vec3::new(-0.5, 0.5, 0.0), Vec3::new(0.0, 0.6, -0.8));
-    let hole = from(&[leaning, turned], &[3.0, 5.0], true);
+    let hole = from(&[leaning, turned], &[3.0, 5.0], Some(7.0));
     assert_eq!(hole.weight, 0.0);
     // The squared cosine is 0.64, more than what an average is made up from.
     assert!((hole.average.x - 3.0).abs() < 1e-5, "{}", hole.average);
-    assert_eq!(from(&[leaning], &[3.0], false).average, Vec3::ZERO);
+    assert_eq!(from(&[leaning], &[3.0], None).average, Vec3::ZERO);
     // Cosine 0.4: 0.16 of the light, of which less than a quarter is not made up to a whole.
     let steep = pose(
         Vec3::new(1.0, 0.0, 0.0),
         Vec3::new(0.0, 0.84f32.sqrt(), 0.4),
     );
-    let dim = from(&[steep], &[3.0], true).average.x;
+    let dim = from(&[steep], &[3.0], Some(0.0)).average.x;
     assert!((dim - 3.0 * 0.16 / AVERAGE_LEAST).abs() < 1e-4, "{dim}");
+    // Where it is known what is beyond, that is made up with it.
+    let filled = from(&[steep], &[3.0], Some(7.0)).average.x;
+    let (cell, rest) = (0.16 / AVERAGE_LEAST, 1.0 - 0.16 / AVERAGE_LEAST);
+    assert!(
+        (filled - (3.0 * cell + 7.0 * rest)).abs() < 1e-4,
+        "{filled}"
+    );
+    assert_eq!(from(&[], &[], Some(7.0)).average, Vec3::splat(7.0));
 }

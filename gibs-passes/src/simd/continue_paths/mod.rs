@@ -66,7 +66,7 @@ fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
     let [x, y, z, offset] = columns::<0, _>(&points);
     let [geometric, shading, _, _] = columns::<4, _>(&points);
     let [r, g, b, root] = columns::<0, _>(&before);
-    let [seed, remaining, _, _] = columns::<4, _>(&before);
+    let [seed, surfel, _, _] = columns::<4, _>(&before);
     let first = pcg(_mm256_castps_si256(seed));
     let second = pcg(first);
     let third = pcg(second);
@@ -80,14 +80,13 @@ fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
         &[x, y, z, _mm256_setzero_ps()],
         &[dx, dy, dz, far],
     );
-    let left = _mm256_sub_epi32(_mm256_castps_si256(remaining), _mm256_set1_epi32(1));
     let mut next = [Path::zeroed(); 8];
     store_rows(
         &mut next,
         &[r, g, b, root],
         &[
             _mm256_castsi256_ps(third),
-            _mm256_castsi256_ps(left),
+            surfel,
             drawn.cosine,
             drawn.density,
         ],

@@ -33,7 +33,7 @@ fn path(i: u32) -> Path {
         throughput: vector(i, 6),
         root: hash2(i, 9),
         seed: hash2(i, 10),
-        remaining: 1 + i % 8,
+        surfel: hash2(i, 12),
         ..Path::zeroed()
     }
 }

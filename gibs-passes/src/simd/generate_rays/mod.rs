@@ -118,7 +118,7 @@ impl Batch {
             &[one, one, one, _mm256_castsi256_ps(loaded_words(&self.rays))],
             &[
                 _mm256_castsi256_ps(seed),
-                _mm256_castsi256_ps(word(from.settings.continuations)),
+                _mm256_castsi256_ps(loaded_words(&self.surfels.map(|i| i as u32))),
                 drawn.cosine,
                 drawn.density,
             ],

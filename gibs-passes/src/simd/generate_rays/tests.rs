@@ -1,7 +1,7 @@
 //! Wide rays have the scalar ones' bits.
 use super::super::Avx2;
 use super::generate_rays;
-use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings};
+use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose};
 use crate::shared::guide::Guides;
 use crate::shared::hash::{hash2, unit};
 use crate::stages::generate_rays::{Surfels, generate_each};
@@ -62,10 +62,6 @@ fn both(frame: &Frame, range: Range<usize>) -> [Made; 2] {
     let (births, irradiance) = (births.collect::<Vec<_>>(), irradiance.collect::<Vec<_>>());
     let surfels = Surfels {
         frame,
-        settings: &SurfelSettings {
-            continuations: 5,
-            ..SurfelSettings::zeroed()
-        },
         poses: &poses,
         births: &births,
         irradiance: &irradiance,

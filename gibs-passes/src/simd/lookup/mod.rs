@@ -88,14 +88,14 @@ impl Lookup {
         self,
         points: &Points<'_>,
         enough: f32,
-        averaged: impl Fn(usize) -> bool,
+        beyond: impl Fn(usize) -> Option<Vec3>,
         s: &Surfels<'_>,
         light: &[SurfelLight],
     ) -> [Gathered; AT_A_TIME] {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { gathers(points, enough, averaged, s, light) },
-            None => lookup::gathers(points, enough, averaged, s, light),
+            Some(Avx2 { .. }) => unsafe { gathers(points, enough, beyond, s, light) },
+            None => lookup::gathers(points, enough, beyond, s, light),
         }
     }
 }
@@ -145,7 +145,7 @@ fn coverages(
 fn gathers(
     points: &Points<'_>,
     enough: f32,
-    averaged: impl Fn(usize) -> bool,
+    beyond: impl Fn(usize) -> Option<Vec3>,
     s: &Surfels<'_>,
     light: &[SurfelLight],
 ) -> [Gathered; AT_A_TIME] {
@@ -170,9 +170,10 @@ fn gathers(
         }
     };
     for_pairs(&batch, s, |id| prefetch(light, id), each);
-    let open: [bool; AT_A_TIME] = std::array::from_fn(|i| {
-        let open = points[i].is_some() && gathered[i].weight < 1.0 && averaged(i);
-        if open {
+    let open: [Option<Vec3>; AT_A_TIME] = std::array::from_fn(|i| {
+        let is_open = points[i].is_some() && gathered[i].weight < 1.0;
+        let open = is_open.then(|| beyond(i)).flatten();
+        if open.is_some() {
             for &id in batch.lists[i].ids.iter().take(lookup::AVERAGE_OF) {
                 prefetch(s.poses, id as usize);
                 prefetch(s.depths.texels(), s.depths.first(id as usize));
@@ -187,8 +188,8 @@ fn gathers(
             g.irradiance *= g.weight / totals[i];
             g.confidence /= totals[i];
         }
-        if open[i] {
-            g.average = average(&batch.points[i], batch.lists[i].ids, s, light);
+        if let Some(beyond) = open[i] {
+            g.average = average(&batch.points[i], batch.lists[i].ids, beyond, s, light);
         }
     }
     gathered
@@ -196,11 +197,17 @@ fn gathers(
 
 /// The average of a cell at a point, as [`lookup::gather`] finds it.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight]) -> Vec3 {
+fn average(
+    at: &SurfelPose,
+    ids: &[u32],
+    beyond: Vec3,
+    s: &Surfels<'_>,
+    light: &[SurfelLight],
+) -> Vec3 {
     const _: () = assert!(lookup::AVERAGE_OF == 8);
     let count = ids.len().min(8);
     let Some(&first) = ids.first() else {
-        return Vec3::ZERO;
+        return lookup::average(Vec3::ZERO, 0.0, beyond);
     };
     let (point, normal) = (all(at.position), all(at.normal));
     let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
@@ -224,5 +231,5 @@ fn average(at: &SurfelPose, ids: &[u32], s: &Surfels<'_>, light: &[SurfelLight])
             weights += weight;
         }
     });
-    sum / weights.max(lookup::AVERAGE_LEAST)
+    lookup::average(sum, weights, beyond)
 }

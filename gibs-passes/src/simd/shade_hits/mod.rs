@@ -79,7 +79,7 @@ fn shaded(
     let (zero, one) = (_mm256_setzero_ps(), _mm256_set1_ps(1.0));
     let refs: [&Path; 8] = std::array::from_fn(|lane| &paths[lane]);
     let [tr, tg, tb, root] = columns::<0, _>(&refs);
-    let [seed, remaining, cosine, density] = columns::<4, _>(&refs);
+    let [seed, surfel, cosine, density] = columns::<4, _>(&refs);
     let [_, _, albedo_rg, albedo_b_flags] = columns::<4, _>(points);
     let [er, eg, eb, node] = columns::<8, _>(points);
     let gathered = ids.map(|i| &hits.gathered[i]);
@@ -118,12 +118,13 @@ fn shaded(
     };
     let rg = _mm256_castps_si256(albedo_rg);
     let albedo = [part(rg), part(_mm256_srli_epi32::<16>(rg)), part(flags)];
-    let ends = is_word(_mm256_castps_si256(remaining), 0);
-    let last = sum(
-        &[ir, ig, ib],
-        &scaled(&[ar, ag, ab], _mm256_sub_ps(one, weight)),
-    );
-    let known = either(ends, &last, &scaled(&[ir, ig, ib], confidence));
+    let known = match hits.ends {
+        true => sum(
+            &[ir, ig, ib],
+            &scaled(&[ar, ag, ab], _mm256_sub_ps(one, weight)),
+        ),
+        false => scaled(&[ir, ig, ib], confidence),
+    };
     let mut arriving = known;
     if !hits.direct.is_empty() {
         let direct = ids.map(|i| &hits.direct[i]);
@@ -147,8 +148,10 @@ fn shaded(
     let missing = _mm256_mul_ps(_mm256_sub_ps(one, trusted), largest);
     let chosen = _mm256_cmp_ps::<_CMP_LT_OQ>(unit(seed), missing);
     let may = _mm256_and_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(counts, zero), is_surface);
-    let goes_on = _mm256_and_ps(_mm256_andnot_ps(ends, chosen), may);
-    let goes_on = _mm256_movemask_ps(goes_on) as u32;
+    let goes_on = match hits.ends {
+        true => 0,
+        false => _mm256_movemask_ps(_mm256_and_ps(chosen, may)) as u32,
+    };
     let mut next = [Path::zeroed(); 8];
     if goes_on != 0 {
         let [r, g, b] = divided(&product(&throughput, &albedo), largest);
@@ -156,7 +159,7 @@ fn shaded(
         store_rows(
             &mut next,
             &[r, g, b, root],
-            &[seed, remaining, cosine, density],
+            &[seed, surfel, cosine, density],
         );
     }
     Eight {

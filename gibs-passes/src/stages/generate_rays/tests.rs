@@ -78,7 +78,6 @@ fn estimate(lamps: &[Emitter], power: f32, guides: Guides<'_>) -> (f64, f64) {
     };
     let surfels = Surfels {
         frame: &frame,
-        settings: &SurfelSettings::default(),
         poses: &[SurfelPose {
             radius: 1.0,
             normal: Vec3::Z,
