@@ -55,6 +55,16 @@ impl SceneArgs {
                         names: names.join(", "),
                     });
                 }
+                if path
+                    .extension()
+                    .is_some_and(|e| e.eq_ignore_ascii_case("json"))
+                {
+                    return Err(CommandError::Value {
+                        option: "SCENE",
+                        value: self.scene.clone(),
+                        want: "a scene is a .gltf or .glb file; give a view with --view".into(),
+                    });
+                }
                 let imported = gltf_import::load(path)?;
                 for warning in &imported.warnings {
                     warning!("{warning}");
@@ -119,24 +129,18 @@ impl SettingsArgs {
 impl TechniqueArgs {
     /// Whether `--set` changes a setting.
     pub fn sets(&self, name: &str) -> bool {
-        let key = |pair: &String| pair.split('=').next().is_some_and(|key| key.trim() == name);
-        self.set.iter().any(key)
+        let mut pairs = self.set.iter().filter_map(|text| pair(text));
+        pairs.any(|(key, _)| key == name)
     }
 
     /// The settings: defaults, then the file, then `rays`, `--without` and `--set`.
     pub fn load(&self, rays: Option<u32>) -> Result<Settings, CommandError> {
         let mut settings = match &self.settings {
             None => Settings::default(),
-            Some(path) => {
-                let wrong = |message: String| CommandError::SettingsFile {
-                    path: path.clone(),
-                    message,
-                };
-                let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
-                let settings: Settings = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
-                settings.check().map_err(|e| wrong(e.to_string()))?;
-                settings
-            }
+            Some(path) => from_file(path).map_err(|message| CommandError::SettingsFile {
+                path: path.clone(),
+                message,
+            })?,
         };
         if let Some(rays) = rays {
             settings.set("rays", &rays.to_string())?;
@@ -144,22 +148,21 @@ impl TechniqueArgs {
         for name in &self.without {
             settings = element("--without", name)?.switched(&settings, false);
         }
-        for (index, pair) in self.set.iter().enumerate() {
-            let Some((key, value)) = pair.split_once('=') else {
+        for (index, text) in self.set.iter().enumerate() {
+            let Some((key, value)) = pair(text) else {
                 let want = "give KEY=VALUE, such as radius=6".into();
                 return Err(CommandError::Value {
                     option: "--set",
-                    value: pair.clone(),
+                    value: text.clone(),
                     want,
                 });
             };
-            let (key, value) = (key.trim(), value.trim());
             let twice = |option: String| CommandError::SetTwice {
                 key: key.into(),
                 option,
             };
-            let names = |pair: &String| pair.split_once('=').is_some_and(|(k, _)| k.trim() == key);
-            if let Some(other) = self.set[..index].iter().find(|pair| names(pair)) {
+            let names = |text: &&String| pair(text).is_some_and(|(other, _)| other == key);
+            if let Some(other) = self.set[..index].iter().find(names) {
                 return Err(twice(format!("--set {other}")));
             }
             if key == "rays" && rays.is_some() {
@@ -174,6 +177,28 @@ impl TechniqueArgs {
         }
         Ok(settings)
     }
+}
+
+/// Key and value of a `--set`.
+fn pair(text: &str) -> Option<(&str, &str)> {
+    let (key, value) = text.split_once('=')?;
+    Some((key.trim(), value.trim()))
+}
+
+/// The defaults with what a settings file changes, whose values are those of `--set`; or what is wrong with it.
+fn from_file(path: &Path) -> Result<Settings, String> {
+    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| e.to_string())?;
+    let mut settings = Settings::default();
+    for (key, value) in &table {
+        let value = match value {
+            toml::Value::String(text) => text.clone(),
+            plain => plain.to_string(),
+        };
+        settings.set(key, &value).map_err(|e| e.to_string())?;
+    }
+    settings.check().map_err(|e| e.to_string())?;
+    Ok(settings)
 }
 
 /// The element of the technique that an option names.

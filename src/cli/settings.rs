@@ -37,7 +37,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let about = "a picture of what the technique does; `gibs render --help` lists the views";
     say!("{}", line(["debug", "off", "", "off or a name", about]));
     say!(
-        "\nIn a settings file (TOML), switches are true or false, and `debug` is a name in quotes."
+        "\nA settings file (TOML) has the same keys, each on a line of its own; names are in quotes there: debug = \"coverage\"."
     );
     Ok(())
 }

@@ -85,7 +85,11 @@ const TABLE: &str = "stress.csv";
 pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load(args.rays.first().copied())?;
     let mut budgets = Vec::new();
-    for budget in &args.rays {
+    for (index, budget) in args.rays.iter().enumerate() {
+        // Twice the same would be one run, and one row of the report.
+        if args.rays[..index].contains(budget) {
+            continue;
+        }
         let mut settings = settings.clone();
         settings.set("rays", &budget.to_string())?;
         budgets.push(settings);

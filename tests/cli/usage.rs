@@ -172,13 +172,16 @@ fn settings_files_are_held_to_the_same_rules() {
         let path = folder.path(file);
         gibs(&["graph", "cornell", "--settings", &path])
     };
-    folder.write("good.toml", "rays = 500\ndepth = false\n");
+    let good = "rays = 500\ndepth = false\nclamp = \"on\"\nsorting = 1\ncoverage = 2\ndebug = \"coverage\"\n";
+    folder.write("good.toml", good);
     assert_eq!(graph("good.toml").status.code(), Some(0));
     for (file, text, part) in [
         ("key.toml", "rayz = 500", "rayz"),
         ("range.toml", "radius = 1000.0", "radius"),
         ("side.toml", "grid_side = 3", "grid_side"),
-        ("kind.toml", "depth = 3", "depth"),
+        ("kind.toml", "depth = 3", "on or off"),
+        ("text.toml", "rays = true", "from 0 to"),
+        ("array.toml", "rays = [1]", "from 0 to"),
         ("syntax.toml", "rays =", "line 1"),
     ] {
         let path = folder.write(file, text);
@@ -203,6 +206,7 @@ fn view_files_that_cannot_be_used_are_named() {
         &["graph", "cornell", "--view", &broken],
         &["broken.json", "line"],
     );
+    refused(&["graph", &broken], &["broken.json", "--view"]);
 }
 
 #[test]

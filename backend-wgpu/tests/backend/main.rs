@@ -1,6 +1,10 @@
 //! The backend on a real driver. Without one, nothing is run; `GIBS_STRICT=1` makes that a failure.
+#[path = "../common/mod.rs"]
 mod common;
+mod refusals;
+#[path = "../stages/mod.rs"]
 mod stages;
+mod states;
 
 use common::{aging, backend, compile, counting, doubling, engine, id, open, read, upload};
 use gibs_backend_wgpu::{Options, WgpuBackend, devices};
@@ -82,95 +86,6 @@ fn a_dispatch_of_nothing_does_nothing() {
 }
 
 #[test]
-fn a_state_is_kept_until_it_is_reset() {
-    let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(100, 1)).unwrap();
-    upload(&mut *run, "amount", &[10, 0, 0, 0]);
-    for _ in 0..3 {
-        run.run().unwrap();
-    }
-    assert_eq!(read(&mut *run, "totals"), [35; 100]);
-    run.reset().unwrap();
-    assert_eq!(read(&mut *run, "totals"), [5; 100]);
-    run.run().unwrap();
-    assert_eq!(
-        read(&mut *run, "totals"),
-        [15; 100],
-        "a reset leaves inputs alone"
-    );
-}
-
-#[test]
-fn initial_values_are_there_before_the_first_frame() {
-    let Some(backend) = backend() else { return };
-    let mut g = Graph::new("initial");
-    let amount = g.input::<UVec4>("amount", 1);
-    let mut keys = Vec::new();
-    for (key, initial) in [
-        ("zero", Initial::Zero),
-        ("sequence", Initial::Sequence),
-        ("nine", Initial::fill(9_u32)),
-    ] {
-        let (state, totals) = g.state::<u32>(key, 4, initial);
-        let out = g.add::<add::Add>(
-            key,
-            add::Inputs {
-                amount: &amount,
-                totals,
-            },
-            Dispatch::Elements(4),
-        );
-        g.output(key, &out.totals);
-        g.keep(state, out.totals);
-        keys.push(key);
-    }
-    let mut run = backend.prepare(compile(g)).unwrap();
-    upload(&mut *run, "amount", &[1; 4]);
-    let all = |run: &mut dyn Executable| keys.iter().map(|key| read(run, key)).collect::<Vec<_>>();
-    let before = [[0, 0, 0, 0], [0, 1, 2, 3], [9, 9, 9, 9]];
-    assert_eq!(all(&mut *run), before);
-    run.run().unwrap();
-    assert_ne!(all(&mut *run), before);
-    run.reset().unwrap();
-    assert_eq!(all(&mut *run), before);
-}
-
-#[test]
-fn a_history_rotates_once_per_frame() {
-    let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(1, 70)).unwrap();
-    for want in 6..10 {
-        run.run().unwrap();
-        assert_eq!(read(&mut *run, "ages"), [want; 70]);
-    }
-    let step = run
-        .schedule()
-        .steps
-        .iter()
-        .position(|s| s.label == "history/age")
-        .unwrap();
-    run.run_step(step).unwrap();
-    assert_eq!(
-        read(&mut *run, "ages"),
-        [9; 70],
-        "a step alone sees the same frame before"
-    );
-    run.reset().unwrap();
-    assert_eq!(read(&mut *run, "ages"), [5; 70]);
-}
-
-#[test]
-fn an_upload_to_a_history_is_what_the_next_frame_finds() {
-    let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(1, 1)).unwrap();
-    for uploaded in [100, 200, 300] {
-        upload(&mut *run, "ages", &[uploaded]);
-        run.run().unwrap();
-        assert_eq!(read(&mut *run, "ages"), [uploaded + 1]);
-    }
-}
-
-#[test]
 fn each_frame_sees_the_uniform_uploaded_before_it() {
     let Some(backend) = backend() else { return };
     let mut run = backend.prepare(aging(1, 1)).unwrap();
@@ -213,51 +128,6 @@ fn steps_one_by_one_make_the_same_frame() {
 }
 
 #[test]
-fn adoption_carries_over_what_agrees() {
-    let Some(backend) = backend() else { return };
-    // After an odd and after an even number of frames: a history must be taken over the right way round.
-    for frames in [3, 4] {
-        let mut old = backend.prepare(aging(20, 10)).unwrap();
-        upload(&mut *old, "amount", &[1, 0, 0, 0]);
-        for _ in 0..frames {
-            old.run().unwrap();
-        }
-        let mut new = old;
-        new.adopt(aging(10, 10)).unwrap();
-        assert_eq!(read(&mut *new, "ages"), [5 + frames; 10]);
-        assert_eq!(read(&mut *new, "amount"), [1, 0, 0, 0]);
-        assert_eq!(
-            read(&mut *new, "totals"),
-            [5; 10],
-            "what is shorter starts over"
-        );
-        new.run().unwrap();
-        assert_eq!(read(&mut *new, "ages"), [6 + frames; 10]);
-        assert_eq!(read(&mut *new, "totals"), [6; 10]);
-        new.adopt(aging(20, 20)).unwrap();
-        let ages = [[6 + frames; 10], [5; 10]].concat();
-        assert_eq!(read(&mut *new, "ages"), ages, "what is longer goes on");
-        assert_eq!(read(&mut *new, "totals"), [[6; 10], [5; 10]].concat());
-        new.run().unwrap();
-        let ages = [[7 + frames; 10], [6; 10]].concat();
-        assert_eq!(read(&mut *new, "ages"), ages, "in both allocations");
-    }
-}
-
-/// A schedule that the device cannot have leaves everything as it was.
-#[test]
-fn after_an_error_the_old_schedule_goes_on() {
-    let Some(backend) = backend() else { return };
-    let mut run = backend.prepare(aging(10, 10)).unwrap();
-    upload(&mut *run, "amount", &[1, 0, 0, 0]);
-    run.run().unwrap();
-    assert!(run.adopt(aging((1 << 32) - (1 << 17), 10)).is_err());
-    run.run().unwrap();
-    assert_eq!(read(&mut *run, "ages"), [7; 10]);
-    assert_eq!(read(&mut *run, "totals"), [7; 10]);
-}
-
-#[test]
 fn time_is_measured_for_every_dispatch() {
     let Some(backend) = backend() else { return };
     let mut run = backend.prepare(counting(100_000)).unwrap();
@@ -294,66 +164,6 @@ fn time_is_measured_for_every_dispatch() {
     );
 }
 
-#[test]
-fn a_limit_names_the_resource() {
-    let Some(backend) = backend() else { return };
-    let len = backend.capabilities().storage_binding / 4 + 1;
-    let Err(error) = backend.prepare(doubling(len)) else {
-        panic!("{len} elements were accepted")
-    };
-    assert!(
-        matches!(&error, BackendError::Limit { what, need, .. }
-        if what.contains("`numbers`") && *need == 4 * len),
-        "{error}"
-    );
-}
-
-#[test]
-fn a_broken_kernel_names_the_stage() {
-    let Some(backend) = backend() else { return };
-    let errors =
-        [
-            refusal::<broken::syntax::Syntax>(&backend, |numbers, doubled| {
-                broken::syntax::Inputs { numbers, doubled }
-            }),
-            refusal::<broken::unnamed::Unnamed>(&backend, |numbers, doubled| {
-                broken::unnamed::Inputs { numbers, doubled }
-            }),
-            refusal::<broken::refused::Refused>(&backend, |numbers, doubled| {
-                broken::refused::Inputs { numbers, doubled }
-            }),
-        ];
-    for (error, word) in errors.iter().zip(["expected", "doubled", "refused"]) {
-        assert!(
-            matches!(error, BackendError::Kernel { stage, message } if stage == "bad" && message.contains(word)),
-            "{error}"
-        );
-    }
-    let mut run = backend.prepare(doubling(1)).unwrap();
-    run.run().unwrap();
-    run.wait().unwrap();
-}
-
-/// What preparing a stage called `bad`, with one port to read and one to write, fails with.
-fn refusal<S>(
-    backend: &WgpuBackend,
-    inputs: impl for<'g> Fn(&'g gibs_graph::Buffer<u32>, gibs_graph::Buffer<u32>) -> S::Inputs<'g>,
-) -> BackendError
-where
-    S: gibs_graph::Stage,
-    S::Outputs: Doubled,
-{
-    let mut g = Graph::new("broken");
-    let numbers = g.input::<u32>("numbers", 4);
-    let doubled = g.transient::<u32>("doubled", 4);
-    let out = g.add::<S>("bad", inputs(&numbers, doubled), Dispatch::Elements(4));
-    g.output("doubled", out.doubled());
-    match backend.prepare(compile(g)) {
-        Ok(_) => panic!("{} was accepted", S::NAME),
-        Err(error) => error,
-    }
-}
-
 trait Doubled {
     fn doubled(&self) -> &gibs_graph::Buffer<u32>;
 }
@@ -373,35 +183,6 @@ doubled!(
     broken::unnamed::Outputs,
     broken::refused::Outputs
 );
-
-#[test]
-fn spirv_gives_what_wgsl_gives() {
-    let Some(wgsl) = backend() else { return };
-    let spirv = match WgpuBackend::new(Options {
-        same_spirv: true,
-        ..Options::default()
-    }) {
-        Ok(spirv) => spirv,
-        Err(error) => {
-            assert!(error.to_string().contains("PASSTHROUGH_SHADERS"), "{error}");
-            return;
-        }
-    };
-    for backend in [wgsl, spirv] {
-        let mut run = backend.prepare(counting(100)).unwrap();
-        upload(&mut *run, "numbers", &[3; 100]);
-        run.run().unwrap();
-        assert_eq!(read(&mut *run, "marks"), [1; 100]);
-        let mut run = backend.prepare(aging(3, 3)).unwrap();
-        upload(&mut *run, "amount", &[2; 4]);
-        run.run().unwrap();
-        run.run().unwrap();
-        assert_eq!(
-            (read(&mut *run, "totals"), read(&mut *run, "ages")),
-            (vec![9; 3], vec![7; 3])
-        );
-    }
-}
 
 #[test]
 fn an_engine_records_frames_into_its_own_encoder() {
