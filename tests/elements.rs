@@ -32,7 +32,12 @@ fn what_is_off_has_no_stages() {
             "sorting" => &["persistent/ray_sorting", "spawn/ray_sorting", "sorted_rays"],
             "emitters" => &["scene_emitters"],
             "continuation" => &["continue_paths", "path_rays", "rays_1"],
-            "half-resolution" => &["select_pixels", "pack_points", "apply/upsample"],
+            "half-resolution" => &[
+                "select_pixels",
+                "pack_points",
+                "contrasts",
+                "apply/upsample",
+            ],
             "hit-births" => &["spawn/hit", "hit_candidates"],
             "clamp" => &["filtering/clamped"],
             "steering" | "fallback" => &[],

@@ -1,5 +1,8 @@
 //! Closed white boxes: albedo a and emission e give radiance e / (1 - a) everywhere, and irradiance pi times that.
 mod common;
+#[path = "common/wall.rs"]
+#[allow(dead_code, reason = "others look at more of it")]
+mod wall;
 
 use common::{all_backends, cpu, mean, render, settings};
 use gibs::builtin;
@@ -184,6 +187,33 @@ fn a_lamp_scales_exactly() {
                 0,
                 "2^{power}, radius {radius}, {surfels} surfels"
             );
+        }
+    }
+}
+
+/// As above, where a wall keeps all light out but what leaks, which gets fainter from surfel to surfel.
+#[test]
+fn what_leaks_scales_exactly() {
+    for backend in all_backends() {
+        let at = |scale: f32| {
+            let scene = wall::wall_from_above(scale);
+            let picture = render(
+                backend.as_ref(),
+                &scene,
+                [121, 67],
+                14,
+                &settings(25_000),
+                0,
+            );
+            picture.rgb("E").expect("E").concat()
+        };
+        let one = at(1.0);
+        for power in [-20, -3, -1, 10] {
+            let scale = 2f32.powi(power);
+            let many = at(scale);
+            let differ = one.iter().zip(&many).filter(|(a, b)| *a * scale != **b);
+            let name = backend.name();
+            assert_eq!(differ.count(), 0, "{name}: 2^{power}");
         }
     }
 }

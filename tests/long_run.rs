@@ -10,9 +10,6 @@ fn white_box(seed: u32) -> Renderer {
     let (scene, view) = builtin::furnace(0.95, 1.0);
     let settings = Settings {
         surfels: 256,
-        continuations: 16,
-        sorting: false,
-        half_resolution: false,
         ..settings(400)
     };
     Renderer::new(cpu().as_ref(), &scene, &view, [16, 16], &settings, seed).expect("prepares")
@@ -24,8 +21,8 @@ fn share(renderer: &mut Renderer) -> f64 {
 }
 
 /// Ten thousand frames: no frame is more than 2 % above the closed form. Radiance comes from below, because
-/// means still hold the light of the first frames, in which surfels knew less of each other. At frame 1000 it comes to 0.897 in the mean of twelve seeds, with a
-/// standard deviation of 0.017, of which three are allowed below it; and it goes on rising.
+/// means still hold the light of the first frames, in which surfels knew less of each other. At frame 1000 it comes to 0.831 in the mean of 24 seeds, with a
+/// standard deviation of 0.016, of which three are allowed below it; and it goes on rising.
 #[test]
 fn energy_does_not_grow_over_ten_thousand_frames() {
     let mut renderer = white_box(1);
@@ -35,7 +32,7 @@ fn energy_does_not_grow_over_ten_thousand_frames() {
         let share = share(&mut renderer);
         assert!(share < 1.02, "frame {frame}: {share} of the closed form");
         assert!(
-            frame < 1000 || share > 0.845,
+            frame < 1000 || share > 0.783,
             "frame {frame}: {share} of the closed form"
         );
         if frame % 100 == 0 {
@@ -45,7 +42,7 @@ fn energy_does_not_grow_over_ten_thousand_frames() {
     println!("over the closed form, every 100 frames: {shares:.3?}");
 }
 
-/// The mean of eight seeds at frame 1000, which has a standard deviation of 0.006: three of them below 0.897.
+/// The mean of eight seeds at frame 1000, which has a standard deviation of 0.006: three of them below 0.831.
 #[test]
 fn energy_does_not_fade_within_a_thousand_frames() {
     let shares = (0..8).map(|seed| {
@@ -56,5 +53,5 @@ fn energy_does_not_fade_within_a_thousand_frames() {
         share(&mut renderer)
     });
     let mean = shares.sum::<f64>() / 8.0;
-    assert!(mean > 0.88, "{mean} of the closed form");
+    assert!(mean > 0.813, "{mean} of the closed form");
 }

@@ -46,6 +46,14 @@ fn estimator_luminance(c: vec3<f32>) -> f32 {
     return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
 }
 
+/// A sample of irradiance, or none where its luminance is below the faintest.
+fn estimator_unless_faint(sample: vec3<f32>, faintest: f32) -> vec3<f32> {
+    if estimator_luminance(sample) < faintest {
+        return vec3<f32>(0.0);
+    }
+    return sample;
+}
+
 /// With one more surfel; one without rays adds nothing.
 fn estimator_with_drift(drift: Drift, state: SurfelIrradiance) -> Drift {
     let short_level = estimator_luminance(state.short_mean);

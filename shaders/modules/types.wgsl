@@ -117,7 +117,7 @@ struct SurfelSettings {
     depth_side: u32,
     fallback: u32,
     guide_side: u32,
-    pad: u32,
+    faintest: f32,
 }
 
 struct Corners {

@@ -30,6 +30,12 @@ fn upsample_block_of(at: vec2<u32>, width: u32) -> u32 {
     return at.y / 2u * ((width + 1u) / 2u) + at.x / 2u;
 }
 
+/// A pixel of a block, of the four in the order in which they are packed; it may lie beyond a picture of this width.
+fn upsample_pixel_in(block: u32, number: u32, width: u32) -> vec2<u32> {
+    let blocks = max((width + 1u) / 2u, 1u);
+    return 2u * vec2<u32>(block % blocks, block / blocks) + vec2<u32>(number & 1u, number >> 1u);
+}
+
 /// By how much light differs: luminance of the irradiance, W/m^2.
 fn upsample_light(gathered: Gathered) -> f32 {
     return estimator_luminance(lookup_complete(gathered));

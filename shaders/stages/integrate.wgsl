@@ -1,5 +1,5 @@
 // Rays into the irradiance of the surfels that they began on, and what the surfels say while no neighbours know better.
-import package::estimator::{estimator_forget, estimator_taken, estimator_update};
+import package::estimator::{estimator_forget, estimator_taken, estimator_unless_faint, estimator_update};
 import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::sharing::{SharingSaid, sharing_light};
@@ -52,7 +52,7 @@ fn main(
             sum += radiance[ray].xyz;
         }
         let count = span.y;
-        let mean_of_rays = sum * (PI / f32(count));
+        let mean_of_rays = estimator_unless_faint(sum * (PI / f32(count)), settings.faintest);
         let change = forget[grid_cell(pose.position, grid)];
         state = estimator_forget(state, change.x, change.y, frame.number);
         taken = estimator_taken(state, mean_of_rays, count);

@@ -1,14 +1,12 @@
-// The pixels that the surfels light themselves: those with even coordinates, those at edges, and those where light
-// differed much in the frame before.
+// The pixels that the surfels light themselves: those with even coordinates, and those at edges.
 import package::invocation::invocation_index;
 import package::surface::surface_is_surface;
 import package::types::{Camera, SurfacePoint};
-import package::upsample::{upsample_around, upsample_block_of, upsample_continuous, upsample_tolerance};
+import package::upsample::{upsample_around, upsample_continuous, upsample_tolerance};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
-@group(0) @binding(2) var<storage, read> contrasts: array<u32>;
-@group(0) @binding(3) var<storage, read_write> selected: array<u32>;
+@group(0) @binding(2) var<storage, read_write> selected: array<u32>;
 
 fn sees(here: SurfacePoint, x: u32, y: u32, tolerance: f32) -> bool {
     return upsample_continuous(here, points[y * camera.width + x], tolerance);
@@ -42,8 +40,7 @@ fn main(
     if i < camera.width * camera.height {
         let here = points[i];
         let at = vec2<u32>(i % camera.width, i / camera.width);
-        let contrast = contrasts[upsample_block_of(at, camera.width)] != 0u;
-        found = select(0u, 1u, surface_is_surface(here) && (contrast || !between(here, at)));
+        found = select(0u, 1u, surface_is_surface(here) && !between(here, at));
     }
     selected[i] = found;
 }

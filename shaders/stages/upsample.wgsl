@@ -1,36 +1,35 @@
-// Every pixel's light from that of the selected ones: its own, or the mean of those around it; and where light differs much.
+// Every pixel's light from that of the selected ones: its own, or the mean of those around it.
 import package::invocation::invocation_index;
 import package::surface::surface_is_surface;
-import package::types::{Camera, F32_MAX, Gathered, SurfacePoint};
-import package::upsample::{UPSAMPLE_CONTRAST, upsample_around, upsample_block_of, upsample_light, upsample_mean};
+import package::types::{Camera, Gathered, SurfacePoint};
+import package::upsample::{upsample_around, upsample_block_of, upsample_mean, upsample_pixel_in};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
 @group(0) @binding(2) var<storage, read> selected: array<u32>;
 @group(0) @binding(3) var<storage, read> scanned: array<u32>;
 @group(0) @binding(4) var<storage, read> packed: array<Gathered>;
-@group(0) @binding(5) var<storage, read_write> gathered: array<Gathered>;
-@group(0) @binding(6) var<storage, read_write> contrasts: array<u32>;
+@group(0) @binding(5) var<storage, read> contrasts: array<u32>;
+@group(0) @binding(6) var<storage, read> contrasts_scanned: array<u32>;
+@group(0) @binding(7) var<storage, read> contrasts_packed: array<Gathered>;
+@group(0) @binding(8) var<storage, read_write> gathered: array<Gathered>;
 
 fn packed_at(x: u32, y: u32) -> Gathered {
     return packed[scanned[y * camera.width + x]];
 }
 
-/// Light differs much between the corners of the block of 2x2 pixels that begins at one: those of its pixels with even
-/// coordinates, and of the next ones.
-fn contrast(at: vec2<u32>) -> bool {
-    var least = F32_MAX;
-    var most = 0.0;
-    for (var corner = 0u; corner < 4u; corner++) {
-        let x = at.x + 2u * (corner & 1u);
-        let y = at.y + 2u * (corner >> 1u);
-        if x < camera.width && y < camera.height && selected[y * camera.width + x] != 0u {
-            let light = upsample_light(packed_at(x, y));
-            least = min(least, light);
-            most = max(most, light);
+/// What was gathered at a pixel of a block with contrasts.
+fn in_contrast(block: u32, at: vec2<u32>) -> Gathered {
+    var slot = contrasts_scanned[block];
+    let own = (at.x & 1u) + 2u * (at.y & 1u);
+    for (var number = 0u; number < own; number++) {
+        let other = upsample_pixel_in(block, number, camera.width);
+        let i = other.y * camera.width + other.x;
+        if other.x < camera.width && selected[i] == 0u && surface_is_surface(points[i]) {
+            slot += 1u;
         }
     }
-    return most > UPSAMPLE_CONTRAST * least;
+    return contrasts_packed[slot];
 }
 
 @compute @workgroup_size(64)
@@ -47,17 +46,19 @@ fn main(
     if selected[i] != 0u {
         found = packed[scanned[i]];
     } else if surface_is_surface(points[i]) {
-        let ends = upsample_around(vec2<u32>(i % camera.width, i / camera.width));
-        found = upsample_mean(
-            packed_at(ends.x, ends.y),
-            packed_at(ends.z, ends.y),
-            packed_at(ends.x, ends.w),
-            packed_at(ends.z, ends.w),
-        );
+        let at = vec2<u32>(i % camera.width, i / camera.width);
+        let block = upsample_block_of(at, camera.width);
+        if contrasts[block] != 0u {
+            found = in_contrast(block, at);
+        } else {
+            let ends = upsample_around(at);
+            found = upsample_mean(
+                packed_at(ends.x, ends.y),
+                packed_at(ends.z, ends.y),
+                packed_at(ends.x, ends.w),
+                packed_at(ends.z, ends.w),
+            );
+        }
     }
     gathered[i] = found;
-    let at = vec2<u32>(i % camera.width, i / camera.width);
-    if all(at % 2u == vec2<u32>(0u)) {
-        contrasts[upsample_block_of(at, camera.width)] = select(0u, 1u, contrast(at));
-    }
 }

@@ -155,6 +155,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if settings.rays == 0 && settings.surfels > 0 {
         warning!("without rays no surfel learns of any light: indirect light is zero");
     }
+    if settings.surfels == 0 {
+        warning!("without surfels there is direct light only");
+    }
     let bar = progress(u64::from(args.frames), "rendering");
     renderer.frame()?;
     renderer.wait()?;

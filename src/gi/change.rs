@@ -249,15 +249,13 @@ impl Gi {
             exec.adopt(Arc::clone(&schedule))?;
         }
         let fewer = parts.settings.surfels < self.parts.settings.surfels;
-        let other_size = parts.size != self.parts.size;
         let other_depths = parts.settings.depth_side != self.parts.settings.depth_side;
         let other_guides = parts.settings.guide_side != self.parts.settings.guide_side;
         (self.schedule, self.plan, self.parts) = (schedule, plan, parts);
         self.begun = false;
         // With fewer slots, what is there for each surfel did not carry over; what counts them did, and makes no sense without.
-        // Texels of depth functions and guides that are wider now lie elsewhere, and so do pixels.
+        // Texels of depth functions and guides that are wider now lie elsewhere.
         let begins_anew = |key: &str| match key {
-            "apply_contrasts" if other_size => true,
             "surfel_depths" if other_depths => true,
             "surfel_guides" if other_guides => true,
             _ => fewer && key.starts_with("surfel_"),

@@ -52,8 +52,8 @@ element! {
         fallback: u32,
         /// Texels along each side of a guide.
         guide_side: u32,
-        /// Padding.
-        pad: u32,
+        /// Irradiance below which what rays bring counts as none, W/m^2.
+        faintest: f32,
     }
 
     /// A surfel where it is now (GIBS, "Surfel = Surface Element").

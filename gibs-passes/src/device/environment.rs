@@ -4,6 +4,7 @@ use crate::shared::environment::{direction, solid_angle_per_area};
 use crate::shared::estimator::luminance;
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
+use std::f32::consts::PI;
 
 /// Side of the octahedral map that a latitude-longitude map becomes, texels.
 const SIDE: u32 = 512;
@@ -22,6 +23,8 @@ pub struct EnvironmentTable {
     pub cumulative: Vec<f32>,
     /// Emitter sampling covers the environment.
     pub sampled: bool,
+    /// Luminance from all directions together, W/m^2.
+    pub power: f32,
 }
 
 impl EnvironmentTable {
@@ -40,6 +43,7 @@ impl EnvironmentTable {
                 texels: vec![radiance.extend(0.0)],
                 cumulative: vec![1.0],
                 sampled: false,
+                power: luminance(*radiance) * 4.0 * PI,
             },
             Environment::Map(map) => Self::from_map(map),
         }
@@ -61,6 +65,7 @@ impl EnvironmentTable {
                 texels: vec![Vec4::ZERO],
                 cumulative: vec![1.0],
                 sampled: false,
+                power: 0.0,
             };
         }
         let area = 4.0 / f64::from(SIDE * SIDE);
@@ -78,6 +83,7 @@ impl EnvironmentTable {
             texels,
             cumulative,
             sampled: true,
+            power: total as f32,
         }
     }
 }

@@ -11,8 +11,9 @@ pub use environment::EnvironmentTable;
 pub use error::DeviceSceneError;
 
 use crate::accel::{TwoLevel, Wide};
-use crate::data::{Corners, Light, Material, Transform};
+use crate::data::{Corners, Light, Material, NONE, Transform};
 use crate::scene::{self, Environment, Lighting, Pose, Scene, SceneDataError, Sun};
+use crate::shared::estimator::luminance;
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 
 /// Everything that the frames need of a scene in a pose, relative to a floating origin.
@@ -134,6 +135,25 @@ impl DeviceScene {
                     .to_owned(),
             );
         }
+    }
+
+    /// Irradiance below which a surfel counts what its rays bring as none, W/m^2: a 2^24th of what comes from the brightest of
+    /// emitters, lights and sky to somewhere in the scene. Light that has leaked through several walls is less; its square could
+    /// be no number any more, and where it could depended on how bright the lights are.
+    pub fn faintest(&self) -> f32 {
+        const SHARE: f32 = 1.0 / (1u32 << 24) as f32;
+        /// Textures of emission say nothing of their area; few texels may shine.
+        const PICTURED: f32 = 1.0 / 1024.0;
+        let area = self.extent() * self.extent();
+        let lights = self.lights.iter().map(|light| match light.kind {
+            0 => luminance(light.intensity),
+            _ => luminance(light.intensity) / area,
+        });
+        let pictured = |m: &&Material| m.emission_texels != NONE;
+        let pictures = self.materials.iter().filter(pictured);
+        let pictures = pictures.map(|m| luminance(m.emission) * PICTURED);
+        let outside = [self.emitters.power / area, self.environment.power];
+        SHARE * lights.chain(pictures).chain(outside).fold(0.0, f32::max)
     }
 
     /// Length of the diagonal of all geometry, metres; 1 for an empty scene.

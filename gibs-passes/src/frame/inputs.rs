@@ -319,7 +319,11 @@ pub fn upload_frame(
             .grid
             .at(camera.eye, scene.extent() * settings.grid_half)],
     )?;
-    upload(exec, "settings", &[settings.device(update.size)])?;
+    let on_device = SurfelSettings {
+        faintest: scene.faintest(),
+        ..settings.device(update.size)
+    };
+    upload(exec, "settings", &[on_device])?;
     upload(
         exec,
         "pixels",

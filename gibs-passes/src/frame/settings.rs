@@ -181,7 +181,7 @@ impl Settings {
         }
     }
 
-    /// The settings as stages see them.
+    /// The settings as stages see them, in a scene where no light is too faint.
     pub fn device(&self, size: [u32; 2]) -> SurfelSettings {
         SurfelSettings {
             capacity: self.surfels,
@@ -199,7 +199,7 @@ impl Settings {
             steered: u32::from(self.steering),
             debug: self.debug.map_or(0, DebugView::number),
             stride: self.stride(),
-            pad: 0,
+            faintest: 0.0,
         }
     }
 }

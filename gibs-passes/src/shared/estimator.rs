@@ -57,6 +57,16 @@ pub fn luminance(c: Vec3) -> f32 {
     0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z
 }
 
+/// A sample of irradiance, or none where its luminance is below the faintest.
+#[inline]
+pub fn unless_faint(sample: Vec3, faintest: f32) -> Vec3 {
+    if luminance(sample) < faintest {
+        Vec3::ZERO
+    } else {
+        sample
+    }
+}
+
 /// How far the short means of several surfels have left their long ones.
 pub trait Drifting: Sized {
     /// With one more surfel; one without rays adds nothing.

@@ -12,7 +12,8 @@ pub const PLANE_TOLERANCE: f32 = 0.1;
 /// An edge lies between two points where the cosine of their normals is below this.
 pub const NORMAL_TOLERANCE: f32 = 0.9;
 
-/// Where the light at the corners of a block of 2x2 pixels differs by more than this factor, every pixel of it is lit by itself:
+/// Where the light at the corners of a block of 2x2 pixels, its own with even coordinates and the next ones, differs by more than
+/// this factor, every pixel of it is lit by itself:
 /// what lies between is then more than noise, as the two sides of a wall that is thinner than a pixel.
 pub const CONTRAST: f32 = 2.0;
 
@@ -36,6 +37,14 @@ pub fn around(at: UVec2) -> (UVec2, UVec2) {
 #[inline]
 pub fn block_of(at: UVec2, width: u32) -> u32 {
     at.y / 2 * width.div_ceil(2) + at.x / 2
+}
+
+/// The pixels of a block, in the order in which they are packed; some may lie beyond a picture of this width.
+#[inline]
+pub fn pixels_of(block: u32, width: u32) -> [UVec2; 4] {
+    let blocks = width.div_ceil(2).max(1);
+    let first = 2 * UVec2::new(block % blocks, block / blocks);
+    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|by| first + UVec2::from(by))
 }
 
 /// Blocks of 2x2 pixels that a picture has.

@@ -11,7 +11,7 @@ use std::f32::consts::PI;
 stage! {
     /// Feeds each surfel's mean of `pi * radiance` (the estimator of irradiance under `cos / pi`) to its multiscale
     /// mean, after a share of what it knew is forgotten where the cell's light has changed. Without rays, the mean is left as
-    /// it is. That mean is what the surfel says, while no neighbours know better. Where `clamped` is bound, it tells what the
+    /// it is. What is fainter than the setting `faintest` counts as nothing. That mean is what the surfel says, while no neighbours know better. Where `clamped` is bound, it tells what the
     /// firefly clamp took.
     pub stage Integrate {
         wgsl: gibs_shaders::stages::INTEGRATE,
@@ -58,7 +58,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 sum + p.radiance[ray as usize].truncate()
             });
             let rays = last - first;
-            let sample = sum * (PI / rays as f32);
+            let sample = estimator::unless_faint(sum * (PI / rays as f32), p.settings.faintest);
             let change = p.forget[grid::cell(pose.position, p.grid) as usize];
             state = estimator::forget(&state, change.x, change.y, p.frame.number);
             clamped = estimator::taken(&state, sample, rays);

@@ -4,6 +4,7 @@ pub mod allocate_rays;
 pub mod batch_args;
 pub mod compose;
 pub mod continue_paths;
+pub mod count_contrasts;
 pub mod count_paths;
 pub mod count_slots;
 pub mod debug_discs;
@@ -31,6 +32,7 @@ pub mod integrate;
 pub mod light_batch;
 pub mod mark_slots;
 pub mod measure_drift;
+pub mod pack_contrasts;
 pub mod pack_points;
 pub mod positional_update;
 pub mod primary_rays;
@@ -73,6 +75,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<batch_args::BatchArgs>(),
         StageInfo::of::<compose::Compose>(),
         StageInfo::of::<continue_paths::ContinuePaths>(),
+        StageInfo::of::<count_contrasts::CountContrasts>(),
         StageInfo::of::<count_paths::CountPaths>(),
         StageInfo::of::<count_slots::CountSlots>(),
         StageInfo::of::<debug_discs::DebugDiscs>(),
@@ -100,6 +103,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<light_batch::LightBatch>(),
         StageInfo::of::<mark_slots::MarkSlots>(),
         StageInfo::of::<measure_drift::MeasureDrift>(),
+        StageInfo::of::<pack_contrasts::PackContrasts>(),
         StageInfo::of::<pack_points::PackPoints>(),
         StageInfo::of::<positional_update::PositionalUpdate>(),
         StageInfo::of::<primary_rays::PrimaryRays>(),

@@ -8,15 +8,13 @@ use std::ops::Range;
 
 stage! {
     /// Selects the pixels with even coordinates, a quarter of them, and those at edges: where one of the two or four
-    /// around a pixel sees another surface than it does, or lies beyond the picture; and every pixel of a block of 2x2 across
-    /// which light differed much in the frame before. `selected` is 1 for those.
+    /// around a pixel sees another surface than it does, or lies beyond the picture. `selected` is 1 for those.
     pub stage SelectPixels {
         wgsl: gibs_shaders::stages::SELECT_PIXELS,
         workgroup: [64, 1, 1],
         ports: {
             uniform camera: Camera,
             read points: SurfacePoint,
-            read contrasts: u32,
             write selected: u32,
         },
         cpu: kernel,
@@ -27,13 +25,13 @@ stage! {
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.points.len() as u32);
     let set = |i, selected| p.selected.set(i, u32::from(selected));
-    simd::select_pixels(p.camera, &p.points, &p.contrasts, range, set);
+    simd::select_pixels(p.camera, &p.points, range, set);
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.points.len() as u32);
     let set = |i, selected| p.selected.set(i, u32::from(selected));
-    select_each(p.camera, &p.points, &p.contrasts, range, set);
+    select_each(p.camera, &p.points, range, set);
 }
 
 /// Calls `set` with each index of a range, and whether the surfels light this pixel.
@@ -41,7 +39,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
 pub fn select_each(
     camera: &Camera,
     points: &[SurfacePoint],
-    contrasts: &[u32],
     range: Range<usize>,
     mut set: impl FnMut(usize, bool),
 ) {
@@ -51,8 +48,7 @@ pub fn select_each(
         // There is no picture yet in a frame that nobody described.
         let selected = (i as u32) < size.x * size.y
             && surface::is_surface(&points[i])
-            && (contrasts[upsample::block_of(at(i), size.x) as usize] != 0
-                || !between(camera, points, at(i), size));
+            && !between(camera, points, at(i), size);
         set(i, selected);
     }
 }

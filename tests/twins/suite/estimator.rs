@@ -73,6 +73,13 @@ fn drift(d: &mut Draw) -> Drift {
 }
 
 twin! {
+    unless_faint ["estimator::estimator_unless_faint"], (sample: Vec3, faintest: f32) -> Vec3,
+    wgsl "estimator_unless_faint(sample, faintest)",
+    rust estimator::unless_faint(sample, faintest),
+    draw |d| { let sample = d.light(-30, 10); (sample, d.one_of(&[0.0, 1e-6, 1.0])) },
+    bound ROUNDED,
+}
+twin! {
     luminance ["estimator::estimator_luminance"], (c: Vec3) -> f32,
     wgsl "estimator_luminance(c)",
     rust estimator::luminance(c),
@@ -231,6 +238,7 @@ twin! {
 }
 
 twins!(
+    unless_faint,
     luminance,
     with_drift,
     plus_drift,

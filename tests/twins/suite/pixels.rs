@@ -122,6 +122,13 @@ twin! {
     bound EXACT,
 }
 twin! {
+    pixel_in ["upsample::upsample_pixel_in"], (block: u32, number: u32, width: u32) -> UVec2,
+    wgsl "upsample_pixel_in(block, number, width)",
+    rust upsample::pixels_of(block, width)[number as usize],
+    draw |d| (d.below(1 << 30), d.below(4), d.below(65_537)),
+    bound EXACT,
+}
+twin! {
     tolerance ["upsample::upsample_tolerance"], (point: SurfacePoint, camera: Camera) -> f32,
     wgsl "upsample_tolerance(point, camera)",
     rust upsample::tolerance(&point, &camera),
@@ -198,6 +205,7 @@ twins!(
     pixel_of,
     around,
     block_of,
+    pixel_in,
     tolerance,
     continuous,
     complete,

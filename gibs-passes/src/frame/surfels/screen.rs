@@ -100,10 +100,14 @@ pub(super) fn apply(
 ) -> Lit {
     let pixel_batch = batch(scene, frame);
     let Seen { points, by } = seen;
-    let light = |g: &mut Graph, batch: &Batch<'_>, points: &Buffer<SurfacePoint>, name: &str| {
+    let light = |g: &mut Graph,
+                 batch: &Batch<'_>,
+                 points: &Buffer<SurfacePoint>,
+                 name: &str,
+                 suffix: &str| {
         gather(
             g,
-            "apply/lighting_apply",
+            &format!("apply/lighting_apply{suffix}"),
             grid,
             settings,
             surfels,
@@ -113,11 +117,12 @@ pub(super) fn apply(
         )
     };
     let gathered = if frame.settings.half_resolution {
-        upsample::at_half_resolution(g, scene, &points, frame.size, |g, batch, points| {
-            light(g, batch, points, "apply_packed_gathered")
+        upsample::at_half_resolution(g, scene, &points, frame.size, |g, batch, points, suffix| {
+            let name = format!("apply_packed_gathered{suffix}");
+            light(g, batch, points, &name, suffix)
         })
     } else {
-        light(g, &pixel_batch, &points, "apply_gathered")
+        light(g, &pixel_batch, &points, "apply_gathered", "")
     };
     let rays = match by {
         By::Rays(rays) => rays,

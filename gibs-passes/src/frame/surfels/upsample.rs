@@ -5,22 +5,21 @@ use crate::frame::trace::Batch;
 use crate::shared::scan::exclusive_scan;
 use crate::shared::upsample::blocks;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph, Initial};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 
-/// Selects pixels, has `light` gather surfels at those, and interpolates between them.
+/// Selects pixels, has `light` gather surfels at those, then between those that differ much, and interpolates between the others.
+/// `light` takes what each of its stages and buffers is of.
 ///
 /// Selected pixels are packed, so that one stage gathers at all of them without idle invocations. Room is for every
-/// pixel, since edges may be anywhere. Where light differs much between pixels is known once it is gathered, and so in the
-/// next frame.
+/// pixel, since edges may be anywhere.
 pub(super) fn at_half_resolution(
     g: &mut Graph,
     scene: &SceneInputs,
     points: &Buffer<SurfacePoint>,
     size: [u32; 2],
-    light: impl FnOnce(&mut Graph, &Batch<'_>, &Buffer<SurfacePoint>) -> Buffer<Gathered>,
+    light: impl Fn(&mut Graph, &Batch<'_>, &Buffer<SurfacePoint>, &str) -> Buffer<Gathered>,
 ) -> Buffer<Gathered> {
     let pixels = points.len();
-    let (state, contrasts) = g.state("apply_contrasts", blocks(size), Initial::Zero);
     let selected = g.transient("apply_selected", pixels);
     let selected = g
         .add::<select_pixels::SelectPixels>(
@@ -28,21 +27,13 @@ pub(super) fn at_half_resolution(
             select_pixels::Inputs {
                 camera: &scene.camera,
                 points,
-                contrasts: &contrasts,
                 selected,
             },
             Dispatch::Elements(pixels),
         )
         .selected;
     let (scanned, total) = exclusive_scan(g, "apply/select_scan", &selected);
-    let args = g.transient("apply_batch", 1);
-    let inputs = batch_args::Inputs {
-        count: &total,
-        batch: args,
-    };
-    let args = g
-        .add::<batch_args::BatchArgs>("apply/batch", inputs, Dispatch::Groups([1, 1, 1]))
-        .batch;
+    let args = batch(g, "apply/batch", "apply_batch", &total);
     let packed = g.transient("apply_packed_points", pixels);
     let inputs = pack_points::Inputs {
         points,
@@ -53,12 +44,37 @@ pub(super) fn at_half_resolution(
     let packed = g
         .add::<pack_points::PackPoints>("apply/pack_points", inputs, Dispatch::Elements(pixels))
         .packed;
-    let batch = Batch {
-        args: &args,
-        most: pixels,
-        fixed: false,
+    let packed_gathered = light(g, &most(&args, pixels), &packed, "");
+    let contrasts = g.transient("apply_contrasts", blocks(size));
+    let inputs = count_contrasts::Inputs {
+        camera: &scene.camera,
+        points,
+        selected: &selected,
+        scanned: &scanned,
+        packed: &packed_gathered,
+        contrasts,
     };
-    let packed_gathered = light(g, &batch, &packed);
+    let every_block = || Dispatch::Elements(blocks(size));
+    let contrasts = g
+        .add::<count_contrasts::CountContrasts>("apply/count_contrasts", inputs, every_block())
+        .contrasts;
+    let (contrasts_scanned, total) = exclusive_scan(g, "apply/contrasts_scan", &contrasts);
+    let args = batch(g, "apply/contrasts_batch", "apply_contrasts_batch", &total);
+    // The first pixel of a block is one of those that were selected.
+    let room = 3 * blocks(size);
+    let packed = g.transient("apply_contrasts_points", room);
+    let inputs = pack_contrasts::Inputs {
+        camera: &scene.camera,
+        points,
+        selected: &selected,
+        contrasts: &contrasts,
+        scanned: &contrasts_scanned,
+        packed,
+    };
+    let packed = g
+        .add::<pack_contrasts::PackContrasts>("apply/pack_contrasts", inputs, every_block())
+        .packed;
+    let contrasts_packed = light(g, &most(&args, room), &packed, "_contrasts");
     let gathered = g.transient("apply_gathered", pixels);
     let inputs = upsample::Inputs {
         camera: &scene.camera,
@@ -66,11 +82,27 @@ pub(super) fn at_half_resolution(
         selected: &selected,
         scanned: &scanned,
         packed: &packed_gathered,
+        contrasts: &contrasts,
+        contrasts_scanned: &contrasts_scanned,
+        contrasts_packed: &contrasts_packed,
         gathered,
-        contrasts,
     };
-    let upsampled =
-        g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels));
-    g.keep(state, upsampled.contrasts);
-    upsampled.gathered
+    g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels))
+        .gathered
+}
+
+/// The size of a dispatch over as many elements as were counted.
+fn batch(g: &mut Graph, label: &str, name: &str, count: &Buffer<u32>) -> Buffer<DispatchArgs> {
+    let batch = g.transient(name, 1);
+    let inputs = batch_args::Inputs { count, batch };
+    g.add::<batch_args::BatchArgs>(label, inputs, Dispatch::Groups([1, 1, 1]))
+        .batch
+}
+
+fn most(args: &Buffer<DispatchArgs>, most: u64) -> Batch<'_> {
+    Batch {
+        args,
+        most,
+        fixed: false,
+    }
 }

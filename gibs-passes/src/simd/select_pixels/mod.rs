@@ -20,14 +20,13 @@ use crate::stages::select_pixels::select_each;
 pub fn select_pixels(
     camera: &Camera,
     points: &[SurfacePoint],
-    contrasts: &[u32],
     range: Range<usize>,
     set: impl FnMut(usize, bool),
 ) {
     match Avx2::detect() {
         // SAFETY: there is a proof that the processor has the features.
-        Some(Avx2 { .. }) => unsafe { select_wide(camera, points, contrasts, range, set) },
-        None => select_each(camera, points, contrasts, range, set),
+        Some(Avx2 { .. }) => unsafe { select_wide(camera, points, range, set) },
+        None => select_each(camera, points, range, set),
     }
 }
 
@@ -35,7 +34,6 @@ pub fn select_pixels(
 fn select_wide(
     camera: &Camera,
     points: &[SurfacePoint],
-    contrasts: &[u32],
     range: Range<usize>,
     mut set: impl FnMut(usize, bool),
 ) {
@@ -44,9 +42,6 @@ fn select_wide(
     let mut first = range.start;
     while first < end {
         let (x, y) = (first % width, first / width);
-        let blocks = &contrasts[y / 2 * width.div_ceil(2)..];
-        // Whether every pixel of the block is lit by itself.
-        let all = |i: usize| blocks[(i - (first - x)) / 2] != 0;
         let last = end.min(first - x + width);
         // Pixels that nothing has to be asked about are set at once; in the last column and the last row, those around
         // lie beyond the picture.
@@ -65,11 +60,10 @@ fn select_wide(
                 (even..last)
                     .step_by(2)
                     .for_each(|i| set(i, surface::is_surface(&points[i])));
-                every_second(scene, odd..inner, [-1, 1], all, &mut set);
+                every_second(scene, odd..inner, [-1, 1], &mut set);
             } else {
-                every_second(scene, even..last, [-w, w], all, &mut set);
-                let around = [-w - 1, w + 1, 1 - w, w - 1];
-                every_second(scene, odd..inner, around, all, &mut set);
+                every_second(scene, even..last, [-w, w], &mut set);
+                every_second(scene, odd..inner, [-w - 1, w + 1, 1 - w, w - 1], &mut set);
             }
         }
         first = last;
@@ -78,14 +72,13 @@ fn select_wide(
 }
 
 /// Selects every second pixel of a range: those with a surface that another one is next to, by these differences of
-/// indices, and those with a surface in a block `all` of whose pixels are selected.
+/// indices.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn every_second<const AROUND: usize>(
     (camera, points): (&Camera, &[SurfacePoint]),
     range: Range<usize>,
     around: [isize; AROUND],
-    all: impl Fn(usize) -> bool,
     set: &mut impl FnMut(usize, bool),
 ) {
     if range.is_empty() {
@@ -100,11 +93,9 @@ fn every_second<const AROUND: usize>(
             let there = ids.map(|i| &points[i.wrapping_add_signed(by)]);
             same = _mm256_and_ps(same, here.continuous(&there));
         }
-        let seen = _mm256_movemask_ps(here.is_surface);
-        let edges = seen & !_mm256_movemask_ps(same);
+        let selected = _mm256_movemask_ps(_mm256_andnot_ps(same, here.is_surface));
         for (lane, i) in (first..=last).step_by(2).take(8).enumerate() {
-            let mask = if all(i) { seen } else { edges };
-            set(i, mask >> lane & 1 != 0);
+            set(i, selected >> lane & 1 != 0);
         }
     }
 }

@@ -69,24 +69,14 @@ fn wide_selections_are_the_scalar_ones() {
         // Some points lie beyond the picture.
         let count = (width * height + 70) as usize;
         let points: Vec<SurfacePoint> = (0..count as u32).map(|i| point(i, width.max(1))).collect();
-        let blocks = width.div_ceil(2) * height.div_ceil(2);
-        let contrasts: Vec<u32> = (0..blocks)
-            .map(|i| u32::from(hash2(i, 2).is_multiple_of(16)))
-            .collect();
         for group in [64, 1, 7, 100_000] {
             let (mut each, mut wide) = (vec![2; count], vec![2; count]);
             for start in (0..count).step_by(group) {
                 let range = start..count.min(start + group);
-                select_each(
-                    &camera,
-                    &points,
-                    &contrasts,
-                    range.clone(),
-                    |i, selected| {
-                        each[i] = u32::from(selected);
-                    },
-                );
-                select_pixels(&camera, &points, &contrasts, range, |i, selected| {
+                select_each(&camera, &points, range.clone(), |i, selected| {
+                    each[i] = u32::from(selected);
+                });
+                select_pixels(&camera, &points, range, |i, selected| {
                     assert_eq!(wide[i], 2, "{i} is set twice");
                     wide[i] = u32::from(selected);
                 });

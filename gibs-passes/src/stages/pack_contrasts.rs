@@ -1,0 +1,40 @@
+//! `apply/pack_contrasts`: the pixels between which light differs much, without gaps (S13).
+use super::count_contrasts::is_open;
+use crate::data::{Camera, SurfacePoint};
+use crate::shared::upsample;
+use gibs_graph::{Workgroup, stage};
+use glam::UVec2;
+
+stage! {
+    /// Writes the points that [`CountContrasts`](super::count_contrasts::CountContrasts) counted one after the other, block by
+    /// block.
+    pub stage PackContrasts {
+        wgsl: gibs_shaders::stages::PACK_CONTRASTS,
+        workgroup: [64, 1, 1],
+        ports: {
+            uniform camera: Camera,
+            read points: SurfacePoint,
+            read selected: u32,
+            read contrasts: u32,
+            read scanned: u32,
+            write packed: SurfacePoint,
+        },
+        cpu: kernel,
+        wide: None,
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    let size = UVec2::new(p.camera.width, p.camera.height);
+    for block in group.range(p.contrasts.len() as u32) {
+        if p.contrasts[block] == 0 {
+            continue;
+        }
+        let pixels = upsample::pixels_of(block as u32, size.x).into_iter();
+        let open = pixels.filter(|&at| is_open(&p.points, &p.selected, at, size));
+        for (slot, at) in (p.scanned[block] as usize..).zip(open) {
+            p.packed
+                .set(slot, p.points[(at.y * size.x + at.x) as usize]);
+        }
+    }
+}

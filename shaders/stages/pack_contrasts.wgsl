@@ -1,0 +1,33 @@
+// The points of the pixels between which light differs much, one after the other, block by block.
+import package::invocation::invocation_index;
+import package::surface::surface_is_surface;
+import package::types::{Camera, SurfacePoint};
+import package::upsample::upsample_pixel_in;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
+@group(0) @binding(2) var<storage, read> selected: array<u32>;
+@group(0) @binding(3) var<storage, read> contrasts: array<u32>;
+@group(0) @binding(4) var<storage, read> scanned: array<u32>;
+@group(0) @binding(5) var<storage, read_write> packed: array<SurfacePoint>;
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let block = invocation_index(group, groups, 64u, lane);
+    if block >= arrayLength(&contrasts) || contrasts[block] == 0u {
+        return;
+    }
+    var slot = scanned[block];
+    for (var number = 0u; number < 4u; number++) {
+        let at = upsample_pixel_in(block, number, camera.width);
+        let i = at.y * camera.width + at.x;
+        if at.x < camera.width && at.y < camera.height && selected[i] == 0u && surface_is_surface(points[i]) {
+            packed[slot] = points[i];
+            slot += 1u;
+        }
+    }
+}
