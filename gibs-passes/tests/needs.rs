@@ -151,6 +151,13 @@ fn what_a_need_adds_is_what_the_frame_with_it_has_more() {
         "apply/select_scan_apply",
         "apply/batch",
         "apply/pack_points",
+        "apply/count_contrasts",
+        "apply/contrasts_scan_blocks",
+        "apply/contrasts_scan_sums",
+        "apply/contrasts_scan_apply",
+        "apply/contrasts_batch",
+        "apply/pack_contrasts",
+        "apply/lighting_apply_contrasts",
         "apply/upsample",
     ];
     assert!(half.present && half.stages == added, "{half:?}");
