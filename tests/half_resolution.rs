@@ -9,6 +9,7 @@ use gibs::graph::{Backend, Executable};
 use gibs::passes::data::{Gathered, SurfacePoint, SurfelPose};
 use gibs::passes::frame::{Settings, upload};
 use gibs::passes::scene::{Camera, Environment, Material, Node, Scene};
+use gibs::passes::shared::estimator::luminance;
 use gibs::passes::shared::lookup::complete;
 use gibs::passes::shared::{batch, octahedral, surface};
 use gibs::view::View;
@@ -63,12 +64,12 @@ struct Pair {
 }
 
 /// The stages that answer queries ask the same surfels in the same frame, at every pixel.
-fn pair(scene: &(Scene, View), size: [u32; 2]) -> Pair {
+fn pair(scene: &(Scene, View), size: [u32; 2], frames: u32) -> Pair {
     let settings = Settings {
         queries: size[0] * size[1],
         ..half(20_000)
     };
-    let mut renderer = rendered(cpu().as_ref(), scene, size, 48, &settings);
+    let mut renderer = rendered(cpu().as_ref(), scene, size, frames, &settings);
     let exec = renderer.executable();
     let points: Vec<SurfacePoint> = output(exec, "points");
     let half: Vec<Vec4> = output(exec, "irradiance");
@@ -134,10 +135,27 @@ impl Pair {
                 if x % 2 == 0 && y % 2 == 0 {
                     assert_eq!(got, exact, "{name}: ({x}, {y}) is its own");
                 }
+                if self.contrasts(x as u32, y as u32) {
+                    assert_eq!(got, exact, "{name}: ({x}, {y}) is in a contrast");
+                }
                 interpolated += usize::from(got != exact);
             }
         }
         interpolated
+    }
+
+    /// Light differs by more than a factor of two between the corners of a pixel's block: in no order of rounding less.
+    fn contrasts(&self, x: u32, y: u32) -> bool {
+        let [width, height] = self.size;
+        let corners =
+            [(0, 0), (2, 0), (0, 2), (2, 2)].map(|(dx, dy)| (x / 2 * 2 + dx, y / 2 * 2 + dy));
+        let inside = corners.iter().filter(|(x, y)| *x < width && *y < height);
+        let there = inside.map(|(x, y)| (y * width + x) as usize);
+        let seen = there.filter(|&i| surface::is_surface(&self.points[i]));
+        let light: Vec<f32> = seen.map(|i| luminance(self.full[i].truncate())).collect();
+        let least = light.iter().copied().fold(f32::MAX, f32::min);
+        let most = light.iter().copied().fold(0.0, f32::max);
+        most > 2.00001 * least
     }
 
     fn mean(pixels: &[Vec4]) -> f64 {
@@ -156,7 +174,7 @@ impl Pair {
 #[test]
 fn both_resolutions_have_the_furnaces_closed_form() {
     let albedo = 0.5;
-    let pair = pair(&builtin::furnace(albedo, 1.0), [63, 49]);
+    let pair = pair(&builtin::furnace(albedo, 1.0), [63, 49], 48);
     let interpolated = pair.check("furnace");
     assert!(interpolated > 63 * 49 / 2, "only {interpolated} pixels");
     let (full, half) = (Pair::mean(&pair.full), Pair::mean(&pair.half));
@@ -219,7 +237,7 @@ fn two_planes() -> (Scene, View) {
 /// What is on a bright plane takes nothing from the dark one behind, and the reverse: see [`Pair::check`].
 #[test]
 fn nothing_reaches_over_an_edge() {
-    let pair = pair(&two_planes(), [97, 64]);
+    let pair = pair(&two_planes(), [97, 64], 48);
     let interpolated = pair.check("two planes");
     assert!(interpolated > 1000, "only {interpolated} pixels");
     let mean = |z: f32| {
@@ -234,6 +252,20 @@ fn nothing_reaches_over_an_edge() {
     assert!(
         bright > 5.0 * dark,
         "{bright} and {dark}: nothing would show"
+    );
+}
+
+/// In the first frame as well, and at every pixel on either side of it.
+#[test]
+fn pixels_between_light_and_dark_are_lit_by_themselves_at_once() {
+    let pair = pair(&wall_from_above(1.0), [121, 67], 1);
+    let interpolated = pair.check("wall");
+    let pixels = (0..67).flat_map(|y| (0..121).map(move |x| (x, y)));
+    let contrasts = pixels.filter(|&(x, y)| pair.contrasts(x, y)).count();
+    println!("{contrasts} in contrasts, {interpolated} interpolated");
+    assert!(
+        contrasts > 100 && interpolated > 1000,
+        "{contrasts}, {interpolated}"
     );
 }
 
@@ -275,7 +307,7 @@ fn nothing_reaches_over_a_wall_that_is_not_seen() {
 #[test]
 fn nothing_reaches_over_the_edges_of_a_room() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
-    let interpolated = pair(&(scene, view), [96, 96]).check("cornell");
+    let interpolated = pair(&(scene, view), [96, 96], 48).check("cornell");
     assert!(interpolated > 2000, "only {interpolated} pixels");
 }
 
