@@ -87,6 +87,16 @@ fn paths_that_end_have_the_closed_form_too() {
     let want = 1.0 / (1.0 - f64::from(albedo));
     println!("albedo {albedo}: surfels {radiance:.4}, closed form {want:.4}");
     assert!((radiance / want - 1.0).abs() < 0.03, "{radiance}");
+    let settings = Settings {
+        fallback: false,
+        ..settings
+    };
+    let without = mean(
+        &render(cpu().as_ref(), &scene, [64, 64], 96, &settings, 1),
+        "",
+    );
+    println!("without the fallback {without:.4}");
+    assert!(without < 0.9 * want, "{without}: nothing would show");
 }
 
 /// The Cornell box, open to a sky, under a sun and with a point light in it; all light times `scale`.

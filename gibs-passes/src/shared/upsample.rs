@@ -2,6 +2,7 @@
 use super::estimator::luminance;
 use super::lookup::complete;
 use super::octahedral;
+use super::surface;
 use crate::data::{Camera, Gathered, SurfacePoint};
 use glam::{UVec2, Vec3};
 
@@ -50,6 +51,13 @@ pub fn pixels_of(block: u32, width: u32) -> [UVec2; 4] {
 /// Blocks of 2x2 pixels that a picture has.
 pub fn blocks(size: [u32; 2]) -> u64 {
     size.map(|n| u64::from(n.div_ceil(2))).iter().product()
+}
+
+/// A pixel lies in the picture, sees a surface and was not selected.
+#[inline]
+pub fn is_open(points: &[SurfacePoint], selected: &[u32], at: UVec2, size: UVec2) -> bool {
+    let i = (at.y * size.x + at.x) as usize;
+    at.cmplt(size).all() && selected[i] == 0 && surface::is_surface(&points[i])
 }
 
 /// By how much light differs: luminance of the irradiance, W/m^2.

@@ -1,6 +1,6 @@
 //! `apply/count_contrasts`: blocks of pixels across which light differs much (S13).
 use crate::data::{Camera, Gathered, SurfacePoint};
-use crate::shared::{surface, upsample};
+use crate::shared::upsample::{self, is_open};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -37,13 +37,6 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         };
         p.contrasts.set(block, count as u32);
     }
-}
-
-/// A pixel lies in the picture, sees a surface and was not selected.
-#[inline]
-pub fn is_open(points: &[SurfacePoint], selected: &[u32], at: UVec2, size: UVec2) -> bool {
-    let i = (at.y * size.x + at.x) as usize;
-    at.cmplt(size).all() && selected[i] == 0 && surface::is_surface(&points[i])
 }
 
 /// Light differs much between the corners of the block that begins at a pixel.

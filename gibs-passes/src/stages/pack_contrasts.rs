@@ -1,7 +1,6 @@
 //! `apply/pack_contrasts`: the pixels between which light differs much, without gaps (S13).
-use super::count_contrasts::is_open;
 use crate::data::{Camera, SurfacePoint};
-use crate::shared::upsample;
+use crate::shared::upsample::{self, is_open};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 

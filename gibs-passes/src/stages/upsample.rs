@@ -1,7 +1,7 @@
 //! `apply/upsample`: every pixel's light from that of the selected ones (S13).
-use super::count_contrasts::is_open;
 use crate::data::{Camera, Gathered, SurfacePoint};
-use crate::shared::{surface, upsample};
+use crate::shared::surface;
+use crate::shared::upsample::{self, is_open};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
