@@ -2,7 +2,9 @@
 // grid along each of the six half-axes.
 import package::portable::portable_log2;
 import package::lookup::LOOKUP_SQUASH;
+import package::plane::plane_unpack;
 import package::types::{GridShape, SurfelPose};
+import package::vector::vector_dot;
 
 /// Number of grids: the cube and six half-axes.
 const GRID_PARTS: u32 = 7u;
@@ -68,7 +70,8 @@ struct GridSpan {
 fn grid_extents(pose: SurfelPose) -> vec3<f32> {
     let flat = 1.0 - 1.0 / (LOOKUP_SQUASH * LOOKUP_SQUASH);
     // The constant before the second factor: a driver may move it there.
-    let across = max(vec3<f32>(1.0) - pose.normal * flat * pose.normal, vec3<f32>(0.0));
+    let normal = plane_unpack(pose.mark);
+    let across = max(vec3<f32>(1.0) - normal * flat * normal / vector_dot(normal, normal), vec3<f32>(0.0));
     return pose.radius * GRID_MARGIN * sqrt(across);
 }
 

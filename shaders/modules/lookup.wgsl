@@ -1,4 +1,5 @@
 // Weights of a surfel at a point, and the moments of its depth function (GIBS, "Light Apply", "Radial Gaussian Depth").
+import package::plane::plane_unpack;
 import package::surface::surface_unorm16;
 import package::types::{Gathered, SurfelPose};
 import package::vector::vector_dot;
@@ -91,8 +92,11 @@ fn lookup_trust(age: u32) -> f32 {
 
 /// Nearness of a point to a surfel's centre: 1 there, 0 at the radius.
 fn lookup_nearness(d: vec3<f32>, pose: SurfelPose) -> f32 {
-    let h = vector_dot(d, pose.normal);
-    let squared = (vector_dot(d, d) + (LOOKUP_SQUASH * LOOKUP_SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
+    let across = plane_unpack(pose.mark);
+    let h = vector_dot(d, across);
+    let whole = vector_dot(across, across);
+    let squared = (vector_dot(d, d) * whole + (LOOKUP_SQUASH * LOOKUP_SQUASH - 1.0) * h * h)
+        / (whole * (pose.radius * pose.radius));
     return max(1.0 - squared, 0.0);
 }
 

@@ -198,7 +198,7 @@ struct SurfelBirth {
     transform_id: u32,
     normal: u32,
     frame: u32,
-    offset: f32,
+    footing: u32,
     clearance: f32,
 }
 

@@ -7,6 +7,7 @@ import package::invocation::invocation_index;
 import package::mark::mark_identity;
 import package::mixture::mixture_goes_to_emitter;
 @if(guides) import package::mixture::{mixture_follow_guide, mixture_guided_density};
+import package::plane::plane_offset;
 import package::sampling::{sampling_r2, sampling_start};
 @if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
 import package::types::{
@@ -116,7 +117,7 @@ fn main(
         let seed = hash_hash3(surfel, frame.number, k);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
-        let origin = sampling_start(pose.position, pose.normal, births[i].offset, drawn.direction);
+        let origin = sampling_start(pose.position, pose.normal, plane_offset(births[i].footing), drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
         paths[ray] = Path(vec3<f32>(1.0), ray, seed, i, drawn.cosine, drawn.density);
     }

@@ -2,8 +2,9 @@
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
 @if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_rescaled};
-import package::mark::mark_of;
+import package::mark::{mark_identity, mark_of};
 import package::octahedral::octahedral_unpack;
+import package::plane::{plane_pack, plane_unpack};
 import package::recycling::RECYCLING_LOST;
 import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
 import package::types::{
@@ -88,6 +89,7 @@ fn main(
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
+    let across = vector_normalize(affine_map_transposed(transform.to_local, plane_unpack(birth.footing)));
     var clearance = birth.clearance;
     let open = surfel_radius_at(position, clearance, camera, grid, settings);
     var born = birth.frame;
@@ -103,5 +105,5 @@ fn main(
     if radius != pose.radius {
         rescale_depths(i, pose.radius / radius);
     }
-    poses[i] = SurfelPose(position, radius, normal, mark_of(pose.mark, is_open(i)));
+    poses[i] = SurfelPose(position, radius, normal, mark_of(mark_identity(pose.mark), plane_pack(across), is_open(i)));
 }

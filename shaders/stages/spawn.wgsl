@@ -4,6 +4,7 @@ import package::hash::hash_hash3;
 import package::invocation::invocation_index;
 import package::mark::mark_of;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
+import package::plane::{plane_footing, plane_pack};
 import package::surface::surface_is_surface;
 import package::surfel::{SURFEL_AT_HIT, surfel_radius_at};
 import package::types::{
@@ -40,12 +41,13 @@ const RISES: f32 = 0.25;
 
 /// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres:
 /// to its plane, but at most the width of a pixel less than to the pixel.
-fn clearance_of(pixel: u32, normal: vec3<f32>) -> f32 {
+fn clearance_of(pixel: u32) -> f32 {
     let at = vec2<u32>(pixel % camera.width, pixel / camera.width);
     let reach = u32(2.0 * settings.radius_pixels);
     let first = at - min(at, vec2<u32>(reach));
     let last = min(at + reach, vec2<u32>(camera.width, camera.height) - 1u);
     let position = points[pixel].position;
+    let normal = octahedral_unpack(points[pixel].geometric_normal);
     var nearest = F32_MAX;
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
@@ -84,19 +86,22 @@ fn main(
     let at_hit = claim.y & SURFEL_AT_HIT;
     let point = points[claim.y & ~SURFEL_AT_HIT];
     let transform = transforms[point.transform_id];
+    let geometric = octahedral_unpack(point.geometric_normal);
     let is_geometric = settings.geometric_normals != 0u;
-    let normal = octahedral_unpack(select(point.shading_normal, point.geometric_normal, is_geometric));
+    let normal = select(octahedral_unpack(point.shading_normal), geometric, is_geometric);
     var clearance = F32_MAX;
     if at_hit == 0u {
-        clearance = clearance_of(claim.y, normal);
+        clearance = clearance_of(claim.y);
     }
     let local = vector_normalize(affine_map_transposed(transform.to_world, normal));
+    let across = vector_normalize(affine_map_transposed(transform.to_world, geometric));
+    let footing = plane_footing(plane_pack(across), point.offset);
     let born_at = affine_map_point(transform.to_local, point.position);
-    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, point.offset, clearance);
+    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, footing, clearance);
     let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
     let identity = hash_hash3(tile | at_hit, frame.number, frame.seed);
     // Nothing hides yet, but in this frame the depth function learns what does.
-    poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, false));
+    poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, plane_pack(geometric), false));
     irradiance[slot] = SurfelIrradiance();
     open_depth_function(slot);
 }

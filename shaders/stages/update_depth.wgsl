@@ -4,8 +4,10 @@ import package::lookup::{
     LOOKUP_FARTHEST, LOOKUP_UNKNOWN, lookup_moments, lookup_pack_moments
 };
 import package::octahedral::octahedral_hemisphere_encode;
+import package::plane::plane_unpack;
 import package::sampling::sampling_to_local;
 import package::types::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
+import package::vector::vector_dot;
 
 @group(0) @binding(0) var<uniform> settings: SurfelSettings;
 @group(0) @binding(1) var<storage, read> poses: array<SurfelPose>;
@@ -36,12 +38,13 @@ fn place_of(ray: u32) -> u32 {
 
 /// The distance of a ray into the depth function of its surfel, which has had `samples` before.
 fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
-    // One that could not reach the emitter it was drawn for went nowhere.
-    if rays[ray].t_max <= 0.0 {
+    let direction = rays[ray].direction;
+    // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface has met that itself.
+    if rays[ray].t_max <= 0.0 || vector_dot(direction, plane_unpack(pose.mark)) < 0.0 {
         return;
     }
     let diameter = 2.0 * pose.radius;
-    let local = sampling_to_local(rays[ray].direction, pose.normal);
+    let local = sampling_to_local(direction, pose.normal);
     let uv = octahedral_hemisphere_encode(vec3<f32>(local.x, local.y, max(local.z, 0.0)));
     let texel = (surfel * settings.depth_side + depth_index(uv.y)) * settings.depth_side + depth_index(uv.x);
     // Compared before it is divided: the distance of a miss over the diameter would overflow.

@@ -62,9 +62,10 @@ element! {
         position: Vec3,
         /// Radius; zero for a free slot.
         radius: f32,
-        /// Unit geometric normal.
+        /// Unit normal that its light comes over.
         normal: Vec3,
-        /// Its identity, and whether lookups need its depth function, see [`mark`](crate::shared::mark).
+        /// Its identity, the plane that it lies in, and whether lookups need its depth function, see
+        /// [`mark`](crate::shared::mark).
         mark: u32,
     }
 
@@ -74,12 +75,13 @@ element! {
         position: Vec3,
         /// Node.
         transform_id: u32,
-        /// Packed normal in the node's space.
+        /// Packed normal in the node's space, that of shading unless `geometric_normals` is set.
         normal: u32,
         /// Frame of birth; an earlier one where the surfel has grown too fast to learn from its depth function.
         frame: u32,
-        /// Distance by which rays start off the surface.
-        offset: f32,
+        /// Its plane in the node's space, and the distance by which rays start off the surface, see
+        /// [`footing`](crate::shared::plane::footing).
+        footing: u32,
         /// Most radius that its surroundings leave it: the distance to the nearest surface that the picture showed at its birth,
         /// or half of the radius at which its rays found walls since. It never becomes larger. Metres.
         clearance: f32,

@@ -167,7 +167,7 @@ pub fn upload_probes(
             position: position(probe / frame.per_place),
             radius: 1.0,
             normal: frame.normals[(probe / frame.per_place) as usize],
-            mark: mark::of(hash::pcg(probe), false),
+            mark: mark::of(hash::pcg(probe), 0, false),
         })
         .collect();
     let mut cells = vec![UVec2::ZERO; LAYOUT.cells() as usize];

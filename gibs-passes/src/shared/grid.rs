@@ -1,7 +1,7 @@
 //! The non-linear grid (GIBS, "Acceleration Structure"): uniform cells in a cube around the eye, and one trapezoidal
 //! grid along each of the six half-axes. Lookup is closed form; every point lies in exactly one cell.
-use super::lookup;
 use super::portable::log2;
+use super::{lookup, plane};
 use crate::data::{GridShape, SurfelPose};
 use glam::Vec3;
 
@@ -123,8 +123,9 @@ const MARGIN: f32 = 1.001;
 #[inline]
 pub fn extents(pose: &SurfelPose) -> Vec3 {
     const FLAT: f32 = 1.0 - 1.0 / (lookup::SQUASH * lookup::SQUASH);
-    // The constant before the second factor: a driver may move it there.
-    let across = (Vec3::ONE - pose.normal * FLAT * pose.normal).max(Vec3::ZERO);
+    let normal = plane::unpack(pose.mark);
+    let flat = normal * FLAT * normal / normal.dot(normal);
+    let across = (Vec3::ONE - flat).max(Vec3::ZERO);
     pose.radius * MARGIN * Vec3::new(across.x.sqrt(), across.y.sqrt(), across.z.sqrt())
 }
 

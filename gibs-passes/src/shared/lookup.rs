@@ -2,11 +2,11 @@
 //! Depth").
 use super::depth::{openness, visibility};
 use super::lists::{List, Surfels};
-use super::{mark, octahedral, surface};
+use super::{mark, octahedral, plane, surface};
 use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose};
 use glam::Vec3;
 
-/// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
+/// Distances off a surfel's plane count this many times: a Mahalanobis distance with a flat ellipsoid.
 pub const SQUASH: f32 = 4.0;
 
 /// Weight of a surfel at its own centre: a point is covered (weight 1) by one surfel up to 0.71 of its radius. With 2, up to
@@ -55,10 +55,15 @@ pub fn trust(age: u32) -> f32 {
 }
 
 /// Nearness of a point to a surfel's centre: 1 there, 0 at the radius, one less the square of the distance over it.
+/// The ellipsoid is flat along the surface's own normal: along that of shading, which may lean away, a surfel would miss most of
+/// what is beside it.
 #[inline]
 pub fn nearness(d: Vec3, pose: &SurfelPose) -> f32 {
-    let h = d.dot(pose.normal);
-    let squared = (d.dot(d) + (SQUASH * SQUASH - 1.0) * h * h) / (pose.radius * pose.radius);
+    let across = plane::unpack(pose.mark);
+    let h = d.dot(across);
+    let whole = across.dot(across);
+    let squared = (d.dot(d) * whole + (SQUASH * SQUASH - 1.0) * h * h)
+        / (whole * (pose.radius * pose.radius));
     (1.0 - squared).max(0.0)
 }
 

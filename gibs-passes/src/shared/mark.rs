@@ -1,13 +1,17 @@
-//! What a surfel's mark says: who it is, and whether lookups need its depth function.
+//! What a surfel's mark says: who it is, in which plane it lies, and whether lookups need its depth function.
+use super::plane;
 
 /// Set where the depth function hides nothing within the radius, which is where lookups ask: so it is for nine in ten of the
 /// surfels that count at a point of Sponza, and lookups do not load theirs. `positional_update` sets it once a frame.
 pub const OPEN: u32 = 1 << 31;
 
-/// Hash of where and when the surfel was born, 31 bits.
+/// The bits of an identity.
+pub const IDENTITY: u32 = (OPEN >> plane::BITS) - 1;
+
+/// Hash of where and when the surfel was born, 15 bits: enough that those around a point have different ones.
 #[inline]
 pub fn identity(mark: u32) -> u32 {
-    mark & !OPEN
+    mark >> plane::BITS & IDENTITY
 }
 
 /// Whether its depth function hides nothing within its radius.
@@ -16,8 +20,9 @@ pub fn is_open(mark: u32) -> bool {
     mark & OPEN != 0
 }
 
-/// The mark of an identity, whose highest bit does not count.
+/// The mark of an identity, of which the low 15 bits count, and a [`plane`], which is read from the mark as it is.
 #[inline]
-pub fn of(identity: u32, open: bool) -> u32 {
-    (identity & !OPEN) | if open { OPEN } else { 0 }
+pub fn of(identity: u32, plane: u32, open: bool) -> u32 {
+    let plane = plane & ((1 << plane::BITS) - 1);
+    plane | (identity & IDENTITY) << plane::BITS | if open { OPEN } else { 0 }
 }

@@ -16,6 +16,7 @@ pub mod lookup;
 pub mod mark;
 pub mod mixture;
 pub mod octahedral;
+pub mod plane;
 pub mod portable;
 pub mod recycling;
 pub mod requests;

@@ -8,7 +8,7 @@ use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
 use crate::shared::lists::Surfels;
 use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
-use crate::shared::{depth, mark, octahedral};
+use crate::shared::{depth, mark, octahedral, plane};
 use glam::{UVec2, Vec3};
 
 fn random(i: u32, k: u32) -> f32 {
@@ -42,7 +42,19 @@ fn the_wide_lookup_is_the_scalar_one() {
             } else {
                 direction(i, 4)
             },
-            mark: mark::of(i, hash2(i, 12).is_multiple_of(3)),
+            mark: mark::of(
+                i,
+                // Any, but often that across the normal.
+                match i % 4 {
+                    0 => hash2(i, 13),
+                    _ => plane::pack(if i % 10 == 0 {
+                        Vec3::Z
+                    } else {
+                        direction(i, 4)
+                    }),
+                },
+                hash2(i, 12).is_multiple_of(3),
+            ),
         })
         .collect();
     // Room for every side.

@@ -3,7 +3,7 @@ use crate::data::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
 use crate::shared::guide::{self, Guides};
-use crate::shared::{hash, mark, mixture, requests, sampling};
+use crate::shared::{hash, mark, mixture, plane, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -119,6 +119,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
                 .and_then(|of| Guide::new(of, mark::identity(pose.mark))),
             false => None,
         };
+        let offset = plane::offset(p.births[i].footing);
         for ray in first..last {
             let index = p.irradiance[i].drawn.wrapping_add(ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
@@ -152,7 +153,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
                 mixture::over_the_lobe(pose.normal, uv, emitters)
             };
             let direction = drawn.direction;
-            let origin = sampling::start(pose.position, pose.normal, p.births[i].offset, direction);
+            let origin = sampling::start(pose.position, pose.normal, offset, direction);
             set(
                 ray as usize,
                 Ray {

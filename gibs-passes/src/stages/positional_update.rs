@@ -2,7 +2,7 @@
 //! the camera (S8).
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
-use crate::shared::{depth, grid, mark, octahedral, recycling};
+use crate::shared::{depth, grid, mark, octahedral, plane, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -79,6 +79,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
+        let across = map_transposed(&transform.to_local, plane::unpack(birth.footing)).normalize();
         let number = p.frame.number;
         let open = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
         if open > LEARNS_UP_TO * pose.radius && number.wrapping_sub(birth.frame) < LEARNS_FOR {
@@ -105,7 +106,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 position,
                 radius,
                 normal,
-                mark: mark::of(pose.mark, open),
+                mark: mark::of(mark::identity(pose.mark), plane::pack(across), open),
             },
         );
     }

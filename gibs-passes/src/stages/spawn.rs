@@ -5,12 +5,12 @@ use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform,
 };
-use crate::shared::{depth, hash, mark, octahedral, surface};
+use crate::shared::{depth, hash, mark, octahedral, plane, surface};
 use gibs_graph::{Workgroup, stage};
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 
 stage! {
-    /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with its normal,
+    /// Writes each claimed surfel: fixed to the node whose transform id the G-buffer names, with its normal and its plane,
     /// its depth function at the diameter everywhere, no irradiance yet. Its identity is a hash of its quarter of a tile and of the frame.
     pub stage Spawn {
         wgsl: gibs_shaders::stages::SPAWN,
@@ -44,11 +44,12 @@ pub const RISES: f32 = 0.25;
 /// Interreflection": the harmonic mean distance to surfaces sets the spacing of samples), and a disc that ends at a wall says
 /// nothing behind it. Between pixels a surface goes on in its plane, so that the distance is that to the plane, but at most
 /// the width of a pixel less than that to the pixel.
-fn clearance(p: &Views<'_>, pixel: u32, normal: Vec3) -> f32 {
+fn clearance(p: &Views<'_>, pixel: u32) -> f32 {
     let (width, height) = (p.camera.width, p.camera.height);
     let (x, y) = (pixel % width, pixel / width);
     let reach = (2.0 * p.settings.radius_pixels) as u32;
-    let position = p.points[pixel as usize].position;
+    let own = &p.points[pixel as usize];
+    let (position, normal) = (own.position, octahedral::unpack(own.geometric_normal));
     let mut nearest = f32::MAX;
     for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
         for column in x.saturating_sub(reach)..=(x + reach).min(width - 1) {
@@ -79,23 +80,24 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let at_hit = claim.y & AT_HIT;
         let point = &p.points[(claim.y & !AT_HIT) as usize];
         let transform = &p.transforms[point.transform_id as usize];
-        let normal = octahedral::unpack(match p.settings.geometric_normals {
-            0 => point.shading_normal,
-            _ => point.geometric_normal,
-        });
+        let geometric = octahedral::unpack(point.geometric_normal);
+        let normal = match p.settings.geometric_normals {
+            0 => octahedral::unpack(point.shading_normal),
+            _ => geometric,
+        };
         let clearance = match at_hit {
-            0 => clearance(p, claim.y, normal),
+            0 => clearance(p, claim.y),
             _ => f32::MAX,
         };
-        let local = map_transposed(&transform.to_world, normal).normalize();
+        let local = |normal| map_transposed(&transform.to_world, normal).normalize();
         p.births.set(
             slot,
             SurfelBirth {
                 position: map_point(&transform.to_local, point.position),
                 transform_id: point.transform_id,
-                normal: octahedral::pack(local),
+                normal: octahedral::pack(local(normal)),
                 frame: p.frame.number,
-                offset: point.offset,
+                footing: plane::footing(plane::pack(local(geometric)), point.offset),
                 clearance,
             },
         );
@@ -107,7 +109,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 radius: radius_at(point.position, clearance, p.camera, p.grid, p.settings),
                 normal,
                 // Nothing hides yet, but in this frame the depth function learns what does.
-                mark: mark::of(identity, false),
+                mark: mark::of(identity, plane::pack(geometric), false),
             },
         );
         p.irradiance.set(slot, SurfelIrradiance::default());

@@ -1,7 +1,7 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
 use crate::data::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::depth::{FARTHEST, UNKNOWN, count, index, moments, pack_moments};
-use crate::shared::{octahedral, requests, sampling};
+use crate::shared::{octahedral, plane, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec2, Vec3};
@@ -9,7 +9,7 @@ use std::ops::Range;
 
 stage! {
     /// Feeds each ray's distance to the depth function of its surfel (GIBS, "Radial Gaussian Depth"): those that go
-    /// farther than the diameter count as the diameter. Where rays were sorted, `places` tells where each went.
+    /// farther than the diameter count as the diameter, and those that go into the surface itself for nothing. Where rays were sorted, `places` tells where each went.
     pub stage UpdateDepth {
         wgsl: gibs_shaders::stages::UPDATE_DEPTH,
         workgroup: [64, 1, 1],
@@ -112,13 +112,18 @@ pub fn update_each(
             continue;
         }
         let pose = &d.poses[i];
+        let across = plane::unpack(pose.mark);
         let before = d.irradiance[i].drawn;
         for ray in first as usize..last as usize {
-            // One that could not reach the emitter it was drawn for went nowhere.
-            if d.rays[ray].t_max <= 0.0 {
+            let Ray {
+                direction, t_max, ..
+            } = d.rays[ray];
+            // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface, which it does
+            // where the normal leans away from that, has met the surface itself, which hides nothing on it.
+            if t_max <= 0.0 || direction.dot(across) < 0.0 {
                 continue;
             }
-            let local = sampling::to_local(d.rays[ray].direction, pose.normal);
+            let local = sampling::to_local(direction, pose.normal);
             let uv = octahedral::hemisphere_encode(Vec3::new(local.x, local.y, local.z.max(0.0)));
             let texel = index(uv.y, d.side) * d.side + index(uv.x, d.side);
             let texel = i * count(d.side) + texel as usize;

@@ -8,7 +8,7 @@ use gibs_passes::shared::depth::Depths;
 use gibs_passes::shared::grid::{self, GridLayout};
 use gibs_passes::shared::lists::{DROPPED, Surfels};
 use gibs_passes::shared::lookup::{self, Place};
-use gibs_passes::shared::{bounds, hash};
+use gibs_passes::shared::{bounds, hash, mark, plane};
 use gibs_passes::stages::grid_order::{bounds_of, is_before};
 
 /// Surfels, a bumpy sheet of them; as many as there are depth functions.
@@ -25,11 +25,12 @@ fn pose(i: u32) -> SurfelPose {
         d.between(-0.1, 0.1),
     );
     let most = grid::cell_side(position, &shape()) * grid::RADIUS_SHARE;
+    let plane = plane::pack((Vec3::Z + 0.3 * d.direction()).normalize());
     SurfelPose {
         position,
         radius: most * d.between(0.6, 1.0),
         normal: (Vec3::Z + 0.3 * d.direction()).normalize(),
-        mark: hash::pcg(i),
+        mark: mark::of(hash::pcg(i), plane, hash::pcg(i) >> 31 != 0),
     }
 }
 fn poses() -> Vec<SurfelPose> {

@@ -189,7 +189,7 @@ fn poses() -> Vec<SurfelPose> {
     let identity = |i| hash::pcg(i) & 0xff;
     (0..512)
         .map(|i| SurfelPose {
-            mark: mark::of(identity(i), i % 3 == 0),
+            mark: mark::of(identity(i), i, i % 3 == 0),
             ..SurfelPose::default()
         })
         .collect()

@@ -4,23 +4,24 @@ use super::inputs::Draw;
 use gibs_graph::glam::{Vec2, Vec3};
 use gibs_passes::data::SurfelPose;
 use gibs_passes::shared::depth::{Depth, Depths};
-use gibs_passes::shared::{depth, hash, lookup, mark, mixture, recycling};
+use gibs_passes::shared::{depth, hash, lookup, mark, mixture, plane, recycling};
 
 /// A surfel in the middle, and of a size that a place near it can be within.
 fn pose(d: &mut Draw) -> SurfelPose {
     SurfelPose {
         radius: d.magnitude(-8, 4),
         normal: d.direction(),
+        mark: mark::of(d.word(), plane::pack(d.direction()), false),
         ..SurfelPose::default()
     }
 }
 
 /// From a surfel to a place: within its reach or a little beyond, in its plane or off it, or at its centre.
 fn to_place(d: &mut Draw, pose: &SurfelPose) -> Vec3 {
+    let across = plane::unpack(pose.mark).normalize();
     let way = match d.below(3) {
         0 => d.direction(),
-        _ => (d.direction().cross(pose.normal) + pose.normal * d.between(-0.3, 0.3))
-            .normalize_or(Vec3::X),
+        _ => (d.direction().cross(across) + across * d.between(-0.3, 0.3)).normalize_or(Vec3::X),
     };
     let share = match d.below(5) {
         0 => d.around(0.02),
@@ -190,10 +191,38 @@ twin! {
     bound EXACT,
 }
 twin! {
-    mark_of ["mark::mark_of"], (identity: u32, open: u32) -> u32,
-    wgsl "mark_of(identity, open != 0u)",
-    rust mark::of(identity, open != 0),
-    draw |d| (d.word(), d.flag()),
+    mark_of ["mark::mark_of"], (identity: u32, plane: u32, open: u32) -> u32,
+    wgsl "mark_of(identity, plane, open != 0u)",
+    rust mark::of(identity, plane, open != 0),
+    draw |d| (d.word(), d.word(), d.flag()),
+    bound EXACT,
+}
+twin! {
+    plane_pack ["plane::plane_pack"], (normal: Vec3) -> u32,
+    wgsl "plane_pack(normal)",
+    rust plane::pack(normal),
+    draw |d| (d.direction(),),
+    bound ROUNDED,
+}
+twin! {
+    plane_unpack ["plane::plane_unpack"], (bits: u32) -> Vec3,
+    wgsl "plane_unpack(bits)",
+    rust plane::unpack(bits),
+    draw |d| (d.word(),),
+    bound EXACT,
+}
+twin! {
+    footing ["plane::plane_footing"], (plane: u32, offset: f32) -> u32,
+    wgsl "plane_footing(plane, offset)",
+    rust plane::footing(plane, offset),
+    draw |d| (d.word(), d.magnitude(-60, 60)),
+    bound EXACT,
+}
+twin! {
+    plane_offset ["plane::plane_offset"], (footing: u32) -> f32,
+    wgsl "plane_offset(footing)",
+    rust plane::offset(footing),
+    draw |d| { let footing = plane::footing(d.word(), d.magnitude(-60, 60)); (footing,) },
     bound EXACT,
 }
 twin! {
@@ -286,6 +315,10 @@ twins!(
     identity,
     is_open,
     mark_of,
+    plane_pack,
+    plane_unpack,
+    footing,
+    plane_offset,
     looks,
     chance,
     goes_to_emitter,

@@ -119,11 +119,11 @@ fn a_point_in_a_surfel_lies_in_an_overlapped_cell() {
         let pose = SurfelPose {
             position: p,
             radius: cell_side(p, &grid) * RADIUS_SHARE,
-            normal: match i % 4 {
+            normal: direction(i, 8),
+            mark: plane::pack(match i % 4 {
                 0 => Vec3::NEG_Y,
                 _ => direction(i, 7),
-            },
-            mark: i,
+            }),
         };
         let mut cells = Vec::new();
         overlapped(&pose, &grid, |cell| cells.push(cell));
@@ -134,10 +134,10 @@ fn a_point_in_a_surfel_lies_in_an_overlapped_cell() {
             "a cell is listed twice around {p}"
         );
         assert!(cells.iter().all(|&c| c < layout.cells()));
-        // On the ellipsoid's surface: of a sphere, squashed along the normal.
-        let on_sphere = direction(i, 4);
-        let along = on_sphere.dot(pose.normal) * (1.0 - 1.0 / lookup::SQUASH);
-        let d = (on_sphere - pose.normal * along) * pose.radius;
+        // On the ellipsoid's surface: of a sphere, squashed across the plane.
+        let (on_sphere, across) = (direction(i, 4), plane::unpack(pose.mark).normalize());
+        let along = on_sphere.dot(across) * (1.0 - 1.0 / lookup::SQUASH);
+        let d = (on_sphere - across * along) * pose.radius;
         assert!(lookup::falloff(d * 0.999, &pose) > 0.0);
         assert!(lookup::falloff(d * 1.001, &pose) == 0.0);
         let q = p + d;

@@ -88,6 +88,39 @@ fn neither_size_nor_brightness_changes_the_mean() {
     }
 }
 
+/// A surfel covers a disc of its surface, though its light comes over a normal that leans away from it, and next to nothing
+/// off it.
+#[test]
+fn a_surfel_covers_its_plane_whatever_its_normal() {
+    for across in [Vec3::Z, Vec3::new(0.48, -0.6, 0.64)] {
+        let along = across.any_orthonormal_vector();
+        for lean in [0.0f32, 0.5, 1.0] {
+            let pose = SurfelPose {
+                position: Vec3::ZERO,
+                radius: 0.5,
+                normal: (across + lean * along).normalize(),
+                mark: plane::pack(across),
+            };
+            for share in [0.1f32, 0.5, 0.9] {
+                let d = 0.5 * share * along;
+                // The plane's 16 bits turn it by 0.017 radians, of whose square distances along it count 15 times; across it, twice
+                // the angle's square.
+                let within = 1.0 - share * share;
+                assert!(
+                    (nearness(d, &pose) - within).abs() < 5e-3,
+                    "{lean}, {share}"
+                );
+                let off = 0.5 * share * across;
+                let beyond = (1.0 - 16.0 * share * share).max(0.0);
+                assert!(
+                    (nearness(off, &pose) - beyond).abs() < 5e-3,
+                    "{lean}, {share}"
+                );
+            }
+        }
+    }
+}
+
 /// In a hole the cell's surfels stand in, though they lean away or are farther than their diameters, but for those that face
 /// the other way.
 #[test]

@@ -13,7 +13,7 @@ use super::hashes::{hash2, hash3, unit};
 use super::lanes::{columns, loaded_words, store_rows};
 use crate::data::{Path, Ray};
 use crate::shared::sampling::R2_STEPS;
-use crate::shared::{mark, requests};
+use crate::shared::{mark, plane, requests};
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
 
@@ -88,10 +88,13 @@ impl Batch {
         let [x, y, z, _] = columns::<0, _>(&poses);
         let [nx, ny, nz, marks] = columns::<4, _>(&poses);
         let (position, normal) = ([x, y, z], [nx, ny, nz]);
-        let offset = self.surfels.map(|i| from.births[i].offset.to_bits());
+        let offset = self
+            .surfels
+            .map(|i| plane::offset(from.births[i].footing).to_bits());
         let drawn = self.surfels.map(|i| from.irradiance[i].drawn);
         let turn = loaded_words(&self.turns);
-        let identity = _mm256_and_si256(_mm256_castps_si256(marks), word(mark::identity(u32::MAX)));
+        let identity = _mm256_srli_epi32::<{ plane::BITS as i32 }>(_mm256_castps_si256(marks));
+        let identity = _mm256_and_si256(identity, word(mark::IDENTITY));
         let surfel = hash2(identity, word(from.frame.seed));
         let index = _mm256_add_epi32(loaded_words(&drawn), turn);
         // As `sampling::r2`.

@@ -3,9 +3,10 @@
 use std::arch::x86_64::*;
 
 use super::super::directions::{hemisphere, to_local};
-use super::super::lanes::{Lanes3, all, dot, positive};
+use super::super::lanes::{Lanes3, all, dot, magnitude, positive};
 use crate::data::SurfelPose;
 use crate::shared::depth::{self, Depths};
+use crate::shared::plane::STEPS;
 use crate::shared::{lookup, mark};
 
 /// Eight surfels, in columns.
@@ -98,6 +99,26 @@ impl Poses {
         !_mm256_movemask_ps(self.mark) as u32 & 0xff
     }
 
+    /// Normals of their planes: [`crate::shared::plane::unpack`].
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    pub fn across(&self) -> Lanes3 {
+        let (bits, low) = (_mm256_castps_si256(self.mark), _mm256_set1_epi32(0xff));
+        let (steps, zero) = (_mm256_set1_ps(STEPS), _mm256_setzero_ps());
+        let step = |word| _mm256_sub_ps(_mm256_cvtepi32_ps(_mm256_and_si256(word, low)), steps);
+        let (x, y) = (step(bits), step(_mm256_srli_epi32::<8>(bits)));
+        let z = _mm256_sub_ps(_mm256_sub_ps(steps, magnitude(x)), magnitude(y));
+        let below = positive(_mm256_sub_ps(zero, z));
+        // Towards zero, as far as the sign says: a step of zero has none.
+        let folded = |c| {
+            _mm256_sub_ps(
+                c,
+                _mm256_or_ps(below, _mm256_and_ps(c, _mm256_set1_ps(-0.0))),
+            )
+        };
+        [folded(x), folded(y), z]
+    }
+
     /// From each surfel to a point.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
@@ -121,12 +142,13 @@ impl Poses {
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     pub fn nearness(&self, d: &Lanes3) -> __m256 {
-        let h = dot(d, &self.normal);
+        let across = self.across();
+        let (h, whole) = (dot(d, &across), dot(&across, &across));
         let flat = _mm256_set1_ps(lookup::SQUASH * lookup::SQUASH - 1.0);
         let along = _mm256_mul_ps(_mm256_mul_ps(flat, h), h);
         let squared = _mm256_div_ps(
-            _mm256_add_ps(dot(d, d), along),
-            _mm256_mul_ps(self.radius, self.radius),
+            _mm256_add_ps(_mm256_mul_ps(dot(d, d), whole), along),
+            _mm256_mul_ps(whole, _mm256_mul_ps(self.radius, self.radius)),
         );
         positive(_mm256_sub_ps(_mm256_set1_ps(1.0), squared))
     }

@@ -8,7 +8,7 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use super::directions::{hemisphere, to_local};
-use super::lanes::{columns, loaded, positive, stored, stored_words};
+use super::lanes::{columns, dot, loaded, positive, stored, stored_words};
 use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
 use crate::shared::depth::{FARTHEST, MOMENT_SCALE, UNKNOWN, count as texels_of};
@@ -138,6 +138,9 @@ impl Batch {
             at(u),
         );
         let none = _mm256_cmp_ps::<_CMP_LE_OQ>(t_max, _mm256_setzero_ps());
+        let height = dot(&[x, y, z], &poses.across());
+        let below = _mm256_cmp_ps::<_CMP_LT_OQ>(height, _mm256_setzero_ps());
+        let none = _mm256_or_ps(none, below);
         let nowhere = _mm256_set1_epi32(NOWHERE as i32);
         *texels = stored_words(_mm256_blendv_epi8(
             texel,

@@ -81,7 +81,7 @@ fn estimate(lamps: &[Emitter], power: f32, guides: Guides<'_>) -> (f64, f64) {
         poses: &[SurfelPose {
             radius: 1.0,
             normal: Vec3::Z,
-            mark: mark::of(IDENTITY, false),
+            mark: mark::of(IDENTITY, 0, false),
             ..SurfelPose::default()
         }],
         births: &[SurfelBirth::default()],
