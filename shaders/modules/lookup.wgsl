@@ -4,7 +4,7 @@ import package::surface::surface_unorm16;
 import package::types::{Gathered, SurfelPose};
 import package::vector::vector_dot;
 
-/// Distances along a surfel's normal count this many times: a Mahalanobis distance with a flat ellipsoid.
+/// Distances off a surfel's plane count this many times: a Mahalanobis distance with a flat ellipsoid.
 const LOOKUP_SQUASH: f32 = 4.0;
 /// Weight of a surfel at its own centre.
 const LOOKUP_PEAK: f32 = 4.0;
@@ -31,7 +31,7 @@ const LOOKUP_MOMENT_SCALE: f32 = 1.0 / 65535.0;
 /// The farthest distance that a ray teaches, in diameters: one step below one, so that a texel that has learned from a ray
 /// differs from `LOOKUP_UNKNOWN`.
 const LOOKUP_FARTHEST: f32 = 65534.0 / 65535.0;
-/// A texel that no ray has reached: both moments one, so that it hides nothing.
+/// A texel that no ray has reached, nor one beside it that found something close: both moments one, so that it hides nothing.
 const LOOKUP_UNKNOWN: u32 = 0xffffffffu;
 
 /// A surfel's radius as a first moment, in steps.
@@ -43,6 +43,11 @@ const LOOKUP_CLOSE: u32 = LOOKUP_RADIUS_STEPS / 32u;
 /// Irradiance where surfels cover a point in part: their weighted mean, and the cell's average for what their weight leaves.
 fn lookup_complete(g: Gathered) -> vec3<f32> {
     return g.irradiance + g.average * (1.0 - g.weight);
+}
+
+/// Whether a ray has reached a texel. What none has reached is `LOOKUP_UNKNOWN`, or a guess, whose second moment is zero.
+fn lookup_is_known(texel: u32) -> bool {
+    return texel != LOOKUP_UNKNOWN && (texel >> 16u) != 0u;
 }
 
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.

@@ -1,7 +1,7 @@
 // Surfels follow the surfaces that they were born on, and their radius follows the camera.
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
-@if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_rescaled};
+@if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_is_known, lookup_rescaled};
 import package::mark::{mark_identity, mark_of};
 import package::octahedral::octahedral_unpack;
 import package::plane::{plane_pack, plane_unpack};
@@ -40,7 +40,9 @@ fn is_crowded(surfel: u32) -> bool {
     var lacks = 0u;
     let texels = settings.depth_side * settings.depth_side;
     for (var texel = surfel * texels; texel < (surfel + 1u) * texels; texel++) {
-        lacks += LOOKUP_RADIUS_STEPS - min(depths[texel] & 0xffffu, LOOKUP_RADIUS_STEPS);
+        if lookup_is_known(depths[texel]) {
+            lacks += LOOKUP_RADIUS_STEPS - min(depths[texel] & 0xffffu, LOOKUP_RADIUS_STEPS);
+        }
     }
     return lacks > texels * LOOKUP_CLOSE;
 }

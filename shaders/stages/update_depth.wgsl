@@ -1,7 +1,8 @@
 // Distances of rays into the depth function of the surfels that they began on.
 import package::invocation::invocation_index;
 import package::lookup::{
-    LOOKUP_FARTHEST, LOOKUP_UNKNOWN, lookup_moments, lookup_pack_moments
+    LOOKUP_FARTHEST, LOOKUP_MOMENT_SCALE, LOOKUP_RADIUS_STEPS, LOOKUP_UNKNOWN, lookup_is_known, lookup_moments,
+    lookup_pack_moments
 };
 import package::octahedral::octahedral_hemisphere_encode;
 import package::plane::plane_unpack;
@@ -56,11 +57,41 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let blend = max(settings.depth_blend, DEPTH_SETTLES / (DEPTH_SETTLES + f32(samples)));
     let before = depths[texel];
     var learned = vec2<f32>(t, t * t);
-    if before != LOOKUP_UNKNOWN {
+    if lookup_is_known(before) {
         let old = lookup_moments(before);
         learned = old + (learned - old) * blend;
     }
-    depths[texel] = lookup_pack_moments(learned);
+    depths[texel] = lookup_pack_moments(max(learned, vec2<f32>(0.0, LOOKUP_MOMENT_SCALE)));
+}
+
+/// The nearer of a mean distance, in steps, and that of a texel, where there is one that a ray has reached.
+fn nearer(nearest: u32, there: bool, texel: u32) -> u32 {
+    if there && lookup_is_known(depths[texel]) {
+        return min(nearest, depths[texel] & 0xffffu);
+    }
+    return nearest;
+}
+
+/// Rays that a surfel has drawn before it stops to guess.
+const GUESSES_FOR: u32 = 256u;
+
+/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found in the texels beside.
+fn guess_depths(surfel: u32) {
+    let side = settings.depth_side;
+    for (var row = 0u; row < side; row++) {
+        for (var column = 0u; column < side; column++) {
+            let texel = (surfel * side + row) * side + column;
+            if lookup_is_known(depths[texel]) {
+                continue;
+            }
+            var nearest = LOOKUP_RADIUS_STEPS;
+            nearest = nearer(nearest, row > 0u, texel - side);
+            nearest = nearer(nearest, row + 1u < side, texel + side);
+            nearest = nearer(nearest, column > 0u, texel - 1u);
+            nearest = nearer(nearest, column + 1u < side, texel + 1u);
+            depths[texel] = select(LOOKUP_UNKNOWN, nearest, nearest < LOOKUP_RADIUS_STEPS);
+        }
+    }
 }
 
 @compute @workgroup_size(64)
@@ -78,5 +109,8 @@ fn main(
     let before = irradiance[i].drawn;
     for (var k = 0u; k < span.y; k++) {
         update_depth(i, span.x + k, pose, before + k);
+    }
+    if span.y > 0u && before < GUESSES_FOR {
+        guess_depths(i);
     }
 }

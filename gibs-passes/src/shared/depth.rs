@@ -18,11 +18,11 @@ pub const MOMENT_SCALE: f32 = 1.0 / 65_535.0;
 /// differs from [`UNKNOWN`].
 pub const FARTHEST: f32 = 65_534.0 / 65_535.0;
 
-/// A texel that no ray has reached: both moments one, so that it hides nothing.
+/// A texel that no ray has reached, nor one beside it that found something close: both moments one, so that it hides nothing.
 pub const UNKNOWN: u32 = u32::MAX;
 
 /// A surfel's radius as a first moment, in steps.
-const RADIUS_STEPS: u32 = 0x8000;
+pub const RADIUS_STEPS: u32 = 0x8000;
 
 /// The depth functions of all surfels: texels over the hemisphere, row by row, one surfel's after the other's. A texel has the first
 /// and the second moment of distance over the surfel's diameter, 16 bits each.
@@ -104,17 +104,34 @@ const CLOSE: u32 = RADIUS_STEPS / 32;
 
 /// Whether a surfel has learned that surfaces are so close that its irradiance says little of places a radius away (Ward,
 /// Rubinstein and Clear 1988: irradiance changes over the distance to what is around). Only what is nearer than a radius
-/// counts; of a surfel that has more than doubled since it learned, that is everything. Summed in whole steps; what is unknown
-/// is far.
+/// counts; of a surfel that has more than doubled since it learned, that is everything. Summed in whole steps; what no ray has
+/// reached is far.
 #[inline]
 pub fn is_crowded(texels: impl Iterator<Item = u32>) -> bool {
     let (count, lacks) = texels.fold((0, 0), |(count, lacks), texel| {
-        (
-            count + 1,
-            lacks + RADIUS_STEPS.saturating_sub(texel & 0xffff),
-        )
+        let distance = match is_known(texel) {
+            true => texel & 0xffff,
+            false => RADIUS_STEPS,
+        };
+        (count + 1, lacks + RADIUS_STEPS.saturating_sub(distance))
     });
     lacks > count * CLOSE
+}
+
+/// Whether a ray has reached a texel. What none has reached is [`UNKNOWN`] or a [`guess`].
+#[inline]
+pub fn is_known(texel: u32) -> bool {
+    texel != UNKNOWN && texel >> 16 != 0
+}
+
+/// A texel that no ray has reached beside one whose mean distance, in steps, is this: as near, if that is nearer than the radius,
+/// for light that leaks shows more than light that lacks. Its second moment is zero, which tells it from what a ray has taught.
+#[inline]
+pub fn guess(nearest: u32) -> u32 {
+    match nearest < RADIUS_STEPS {
+        true => nearest,
+        false => UNKNOWN,
+    }
 }
 
 /// The first and second moment in a texel, in steps of [`MOMENT_SCALE`].

@@ -1,6 +1,8 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
 use crate::data::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
-use crate::shared::depth::{FARTHEST, UNKNOWN, count, index, moments, pack_moments};
+use crate::shared::depth::{
+    FARTHEST, MOMENT_SCALE, RADIUS_STEPS, count, guess, index, is_known, moments, pack_moments,
+};
 use crate::shared::{octahedral, plane, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
@@ -9,7 +11,8 @@ use std::ops::Range;
 
 stage! {
     /// Feeds each ray's distance to the depth function of its surfel (GIBS, "Radial Gaussian Depth"): those that go
-    /// farther than the diameter count as the diameter, and those that go into the surface itself for nothing. Where rays were sorted, `places` tells where each went.
+    /// farther than the diameter count as the diameter, and those that go into the surface itself for nothing. What a young
+    /// surfel's rays have not reached takes the distance of what is close beside it. Where rays were sorted, `places` tells where each went.
     pub stage UpdateDepth {
         wgsl: gibs_shaders::stages::UPDATE_DEPTH,
         workgroup: [64, 1, 1],
@@ -42,13 +45,20 @@ pub fn depth_blend(samples: u32, least: f32) -> f32 {
 /// rim across the corners of the square see one ray in forty, and would stay half open beside a wall for long.
 #[inline]
 pub fn learn(texel: u32, t: f32, blend: f32) -> u32 {
-    let new = Vec2::new(t, t * t);
-    if texel == UNKNOWN {
-        return pack_moments(new);
+    let mut new = Vec2::new(t, t * t);
+    if is_known(texel) {
+        let old = moments(texel);
+        new = old + (new - old) * blend;
     }
-    let old = moments(texel);
-    pack_moments(old + (new - old) * blend)
+    pack_moments(new.max(KNOWN))
 }
+
+/// Least moments of a texel that a ray has reached.
+pub const KNOWN: Vec2 = Vec2::new(0.0, MOMENT_SCALE);
+
+/// Rays that a surfel has drawn before it stops to guess: of so many, the texel that the fewest meet, one in forty, has met one but
+/// once in six hundred times.
+pub const GUESSES_FOR: u32 = 256;
 
 /// What surfels learn distances from.
 #[derive(Clone, Copy, Debug)]
@@ -89,13 +99,15 @@ impl<'a> Distances<'a> {
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.poses.len() as u32);
     let (get, set) = (|i| p.depths.get(i), |i, texel| p.depths.set(i, texel));
-    simd::update_depth(&Distances::of(p), range, get, set);
+    simd::update_depth(&Distances::of(p), range.clone(), get, set);
+    guess_each(&Distances::of(p), range, get, set);
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.poses.len() as u32);
     let (get, set) = (|i| p.depths.get(i), |i, texel| p.depths.set(i, texel));
-    update_each(&Distances::of(p), range, get, set);
+    update_each(&Distances::of(p), range.clone(), get, set);
+    guess_each(&Distances::of(p), range, get, set);
 }
 
 /// Feeds the distances of a range of surfels to their depth functions, whose texels `get` and `set` read and replace.
@@ -135,9 +147,44 @@ pub fn update_each(
     }
 }
 
+/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found in the texels beside.
+/// With the dozen rays of its first frame most of what hides it from a wall's other side would be open.
+fn guess_each(
+    d: &Distances<'_>,
+    range: Range<usize>,
+    get: impl Fn(usize) -> u32,
+    mut set: impl FnMut(usize, u32),
+) {
+    let texels = count(d.side);
+    for i in range {
+        if d.spans[i].y == 0 || d.irradiance[i].drawn >= GUESSES_FOR {
+            continue;
+        }
+        for texel in 0..texels {
+            if is_known(get(i * texels + texel)) {
+                continue;
+            }
+            let (row, column) = (texel as u32 / d.side, texel as u32 % d.side);
+            let mut nearest = RADIUS_STEPS;
+            let mut beside = |there: bool, other: usize| {
+                let other = if there { get(i * texels + other) } else { 0 };
+                if is_known(other) {
+                    nearest = nearest.min(other & 0xffff);
+                }
+            };
+            beside(row > 0, texel.wrapping_sub(d.side as usize));
+            beside(row + 1 < d.side, texel + d.side as usize);
+            beside(column > 0, texel.wrapping_sub(1));
+            beside(column + 1 < d.side, texel + 1);
+            set(i * texels + texel, guess(nearest));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shared::depth::UNKNOWN;
 
     /// A blend of a sixth, as after 160 rays, would leave five sixths of the guess.
     #[test]
@@ -155,10 +202,53 @@ mod tests {
 
     #[test]
     fn a_texel_that_has_learned_is_known() {
-        let mut texel = UNKNOWN;
-        for _ in 0..100 {
-            texel = learn(texel, FARTHEST, 1.0);
-            assert_ne!(texel, UNKNOWN);
+        for t in [0.0, 1e-4, 0.5, FARTHEST] {
+            let mut texel = UNKNOWN;
+            for _ in 0..100 {
+                texel = learn(texel, t, 1.0);
+                assert!(is_known(texel), "{t}");
+            }
+        }
+    }
+
+    /// In a function of 3x3 texels whose middle one alone has been reached.
+    #[test]
+    fn what_no_ray_has_reached_is_as_close_as_what_is_beside() {
+        let guessed = |t: f32, drawn: u32| {
+            let mut texels = [UNKNOWN; 9];
+            texels[4] = learn(UNKNOWN, t, 1.0);
+            let depths = std::cell::RefCell::new(&mut texels);
+            let irradiance = [SurfelIrradiance {
+                drawn,
+                ..SurfelIrradiance::default()
+            }];
+            let distances = Distances {
+                poses: &[SurfelPose::default()],
+                irradiance: &irradiance,
+                spans: &[UVec2::new(0, 1)],
+                rays: &[],
+                hits: &[],
+                places: &[],
+                least: 0.0,
+                side: 3,
+            };
+            let get = |i: usize| depths.borrow()[i];
+            guess_each(&distances, 0..1, get, |i, texel| {
+                depths.borrow_mut()[i] = texel
+            });
+            texels
+        };
+        let near = guessed(0.2, 0);
+        for beside in [1, 3, 5, 7] {
+            assert!(!is_known(near[beside]));
+            assert!((moments(near[beside]).x - 0.2).abs() < 1e-4);
+            // The first ray that reaches it replaces it.
+            assert_eq!(learn(near[beside], 0.9, 0.1), learn(UNKNOWN, 0.9, 0.1));
+        }
+        assert!([0, 2, 6, 8].iter().all(|&corner| near[corner] == UNKNOWN));
+        let old = guessed(0.2, GUESSES_FOR);
+        for untouched in [guessed(0.51, 0), old] {
+            assert_eq!(untouched.iter().filter(|t| **t != UNKNOWN).count(), 1);
         }
     }
 }

@@ -46,6 +46,13 @@ twin! {
     bound EXACT,
 }
 twin! {
+    is_known ["lookup::lookup_is_known"], (texel: u32) -> u32,
+    wgsl "u32(lookup_is_known(texel))",
+    rust u32::from(depth::is_known(texel)),
+    draw |d| { let any = d.word(); (d.one_of(&[any, any & 0xffff, any | 0xffff, 0, u32::MAX]),) },
+    bound EXACT,
+}
+twin! {
     pack_moments ["lookup::lookup_pack_moments"], (m: Vec2) -> u32,
     wgsl "lookup_pack_moments(m)",
     rust depth::pack_moments(m),
@@ -300,6 +307,7 @@ twin! {
 twins!(
     steps,
     moments,
+    is_known,
     pack_moments,
     rescaled,
     chebyshev,

@@ -11,9 +11,9 @@ use super::directions::{hemisphere, to_local};
 use super::lanes::{columns, dot, loaded, positive, stored, stored_words};
 use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
-use crate::shared::depth::{FARTHEST, MOMENT_SCALE, UNKNOWN, count as texels_of};
+use crate::shared::depth::{FARTHEST, MOMENT_SCALE, count as texels_of, is_known};
 use crate::shared::requests;
-use crate::stages::update_depth::{DEPTH_SETTLES, Distances, update_each};
+use crate::stages::update_depth::{DEPTH_SETTLES, Distances, KNOWN, update_each};
 
 /// Rays whose hits are asked for at once.
 const BATCH: usize = 64;
@@ -172,8 +172,9 @@ fn learn(texel: u32, t: f32, blend: f32) -> u32 {
     let steps = _mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_cvtsi32_si128(texel as i32)));
     let old = _mm_mul_ps(steps, _mm_set1_ps(MOMENT_SCALE));
     let change = _mm_mul_ps(_mm_sub_ps(new, old), _mm_set1_ps(blend));
-    let unknown = _mm_cmpeq_epi32(_mm_set1_epi32(texel as i32), _mm_set1_epi32(UNKNOWN as i32));
+    let unknown = _mm_set1_epi32(-i32::from(!is_known(texel)));
     let moments = _mm_blendv_ps(_mm_add_ps(old, change), new, _mm_castsi128_ps(unknown));
+    let moments = _mm_max_ps(moments, _mm_setr_ps(KNOWN.x, KNOWN.y, 0.0, 0.0));
     // Not below zero, so that truncation rounds down; zero for what is not a number.
     let unit = _mm_min_ps(_mm_max_ps(moments, _mm_setzero_ps()), _mm_set1_ps(1.0));
     let steps = _mm_add_ps(_mm_mul_ps(unit, _mm_set1_ps(65_535.0)), _mm_set1_ps(0.5));
