@@ -37,6 +37,10 @@ const QUARTER: Extent = Extent {
 /// The truth is at the centre of every fifth pixel of each row and column.
 const EVERY: u32 = 5;
 
+/// Seeds of whose relMSE after 16 frames the median is taken: in some a single pixel, a crevice in which the truth is a hundred times
+/// darker than beside it, has more of it than all others together.
+const SEEDS: u32 = 5;
+
 /// Errors of the pixels whose centres are the truth's.
 fn against(picture: &Picture, truth: &Picture) -> Metrics {
     let options = CompareOptions {
@@ -62,7 +66,7 @@ fn rays_of(renderer: &mut Renderer) -> u64 {
     counts.sum()
 }
 
-/// Renders a scene and gives the errors after 16 and 64 frames, and those of brute-force path tracing with the rays of the
+/// Renders a scene and gives the errors after 16 and 64 frames, of the first seed but for the early relMSE, and those of brute-force path tracing with the rays of the
 /// first 16.
 fn measured(
     name: &str,
@@ -84,8 +88,17 @@ fn measured(
         rays,
         ..Settings::default()
     };
-    let mut renderer =
-        Renderer::new(backend.as_ref(), scene, view, size, &settings, 0).expect("it renders");
+    let start = |seed| {
+        Renderer::new(backend.as_ref(), scene, view, size, &settings, seed).expect("it renders")
+    };
+    let mut others: Vec<f64> = (1..SEEDS)
+        .map(|seed| {
+            let mut renderer = start(seed);
+            (0..16).for_each(|_| renderer.frame().expect("a frame"));
+            against(&renderer.picture().expect("a picture"), &truth).rel_mse
+        })
+        .collect();
+    let mut renderer = start(0);
     let mut rays = 0;
     let mut after = |frames: u32| {
         for _ in 0..frames {
@@ -95,7 +108,10 @@ fn measured(
         let errors = against(&renderer.picture().expect("a picture"), &truth);
         (errors, rays)
     };
-    let (early, rays) = after(16);
+    let (mut early, rays) = after(16);
+    others.push(early.rel_mse);
+    others.sort_by(f64::total_cmp);
+    early.rel_mse = others[others.len() / 2];
     let late = after(48).0;
     // A pilot run tells how many segments a sample of every pixel has.
     let segments = traced(size, 4, 2, false).1.segments / 4;

@@ -7,7 +7,8 @@ mod wall;
 
 use common::{all_backends, settings};
 use gibs::Renderer;
-use glam::{Vec3, Vec4};
+use gibs::passes::scene::{LocalTransform, Scene};
+use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 
 /// Ten metres of floor from above, whose normals lean by so much, beside a lamp; a metre has ten pixels. How many surfels there
 /// are after 32 frames, and what share of the picture they cover by less than a half.
@@ -21,18 +22,46 @@ fn surfels_and_holes(renderer: &mut Renderer) -> (u32, f64) {
     (live, holes as f64 / found.len() as f64)
 }
 
+/// The same surfaces, as a node has them that stretches them fifty times along two axes, mirrors and turns them.
+fn place(scene: &mut Scene) {
+    let turned = DQuat::from_axis_angle(DVec3::new(0.48, -0.6, 0.64), 1.0);
+    let matrix = DAffine3::from_scale_rotation_translation(
+        DVec3::new(-50.0, 50.0, 1.0),
+        turned,
+        DVec3::new(3.0, -2.0, 1.0),
+    );
+    let inverse = matrix.inverse();
+    for mesh in &mut scene.meshes {
+        for position in &mut mesh.positions {
+            *position = inverse.transform_point3(position.as_dvec3()).as_vec3();
+        }
+        for normal in &mut mesh.normals {
+            let local = matrix.matrix3.transpose() * normal.as_dvec3();
+            *normal = local.normalize().as_vec3();
+        }
+        // Seen from the front still.
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    scene.nodes[0].local = LocalTransform::Affine(matrix);
+}
+
 /// With normals that lean by 20 and by 40 degrees there are as many surfels as with upright ones, of the same size. Discs across
 /// their normals would leave the floor after a fraction of their radius; the floor would pass for a wall that rises beside them;
-/// and their rays would find it close by. Each of the three alone makes a half more to three times as many.
+/// and their rays would find it close by: with all three there are three times as many. So it is in the space of a node that stretches,
+/// mirrors and turns it, too.
 #[test]
 fn surfels_are_as_many_as_on_upright_normals() {
     for backend in all_backends() {
         let name = backend.name();
-        let found = [0.0f32, 20.0, 40.0].map(|degrees| {
+        let found = [(0.0f32, false), (20.0, false), (40.0, false), (40.0, true)];
+        let found = found.map(|(degrees, is_placed)| {
             let (mut scene, view) = wall::wall_from_above(1.0);
             let leaning = Vec3::new(0.0, degrees.to_radians().sin(), degrees.to_radians().cos());
             let floor = &mut scene.meshes[0];
             floor.normals = vec![leaning; floor.positions.len()];
+            if is_placed {
+                place(&mut scene);
+            }
             let mut renderer = Renderer::new(
                 backend.as_ref(),
                 &scene,

@@ -6,7 +6,7 @@ use gibs::passes::data::{
     Camera, GridShape, SurfelBirth, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
 use gibs::passes::frame::Settings;
-use gibs::passes::shared::{depth, mark};
+use gibs::passes::shared::{depth, lengths, mark};
 use gibs::passes::stages::positional_update::{LEARNS_FOR, LEARNS_UP_TO, SHRINKS_TO, radius_at};
 use gibs::{Renderer, builtin};
 
@@ -88,13 +88,15 @@ fn young_surfels_shrink_where_rays_find_walls() {
                     assert_eq!(mark::is_open(is.mark), open, "{name}, surfel {i}");
                     (opened, hides) = (opened + u32::from(open), hides + u32::from(!open));
                 }
-                let open = radius_at(is.position, births[i].clearance, &camera, &grid, &on_device);
+                let had = lengths::down(births[i].lengths);
+                let open = radius_at(is.position, had, &camera, &grid, &on_device);
                 let grows = open > LEARNS_UP_TO * was.radius;
                 let young = !grows && frame.wrapping_sub(births[i].frame) < LEARNS_FOR;
                 let clearance = match crowded && young {
-                    true => births[i].clearance.min(SHRINKS_TO * was.radius),
-                    false => births[i].clearance,
+                    true => had.min(SHRINKS_TO * was.radius),
+                    false => had,
                 };
+                let clearance = lengths::down(lengths::pack(0.0, clearance));
                 let radius = radius_at(is.position, clearance, &camera, &grid, &on_device);
                 assert!(
                     (is.radius / radius - 1.0).abs() < 1e-5,

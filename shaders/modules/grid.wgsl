@@ -69,8 +69,8 @@ struct GridSpan {
 /// How far a surfel reaches along each axis: the box around the flat ellipsoid outside which it has no weight.
 fn grid_extents(pose: SurfelPose) -> vec3<f32> {
     let flat = 1.0 - 1.0 / (LOOKUP_SQUASH * LOOKUP_SQUASH);
-    // The constant before the second factor: a driver may move it there.
     let normal = plane_unpack(pose.mark);
+    // The constant before the second factor: a driver may move it there.
     let across = max(vec3<f32>(1.0) - normal * flat * normal / vector_dot(normal, normal), vec3<f32>(0.0));
     return pose.radius * GRID_MARGIN * sqrt(across);
 }

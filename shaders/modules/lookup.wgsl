@@ -50,6 +50,11 @@ fn lookup_is_known(texel: u32) -> bool {
     return texel != LOOKUP_UNKNOWN && (texel >> 16u) != 0u;
 }
 
+/// A texel that no ray has reached beside one whose mean distance, in steps, is this.
+fn lookup_guess(nearest: u32) -> u32 {
+    return select(LOOKUP_UNKNOWN, nearest, nearest < LOOKUP_RADIUS_STEPS);
+}
+
 /// The first and second moment in a texel, in steps of `LOOKUP_MOMENT_SCALE`.
 fn lookup_steps(texel: u32) -> vec2<f32> {
     return vec2<f32>(f32(texel & 0xffffu), f32(texel >> 16u));
@@ -71,9 +76,10 @@ fn lookup_rescaled(texel: u32, shrinks: f32, squared: f32) -> u32 {
         return LOOKUP_UNKNOWN;
     }
     let m = lookup_moments(texel);
+    let least = select(0.0, LOOKUP_MOMENT_SCALE, lookup_is_known(texel));
     return lookup_pack_moments(vec2<f32>(
         min(m.x * shrinks, LOOKUP_FARTHEST),
-        min(m.y * squared, LOOKUP_FARTHEST),
+        min(max(m.y * squared, least), LOOKUP_FARTHEST),
     ));
 }
 

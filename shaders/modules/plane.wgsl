@@ -4,6 +4,9 @@ import package::octahedral::octahedral_encode;
 /// Steps from the middle of the octahedral square to its edge.
 const PLANE_STEPS: f32 = 127.0;
 
+/// What `plane_unpack` counts in.
+const PLANE_STEP: f32 = 1.0 / 128.0;
+
 /// The plane with a normal, up to 0.017 radians off.
 fn plane_pack(normal: vec3<f32>) -> u32 {
     let p = octahedral_encode(normal);
@@ -12,21 +15,11 @@ fn plane_pack(normal: vec3<f32>) -> u32 {
     return x | (y << 8u);
 }
 
-/// A normal of the plane in the low bits of a word, in whole numbers: no unit vector.
+/// A normal of the plane in the low bits of a word, in multiples of a 128th: no unit vector.
 fn plane_unpack(bits: u32) -> vec3<f32> {
     let x = f32(bits & 0xffu) - PLANE_STEPS;
     let y = f32((bits >> 8u) & 0xffu) - PLANE_STEPS;
     let z = PLANE_STEPS - abs(x) - abs(y);
     let below = max(-z, 0.0);
-    return vec3<f32>(x - select(-below, below, x >= 0.0), y - select(-below, below, y >= 0.0), z);
-}
-
-/// A plane and the distance by which rays start off the surface, of which the word keeps eight bits, rounded up.
-fn plane_footing(plane: u32, offset: f32) -> u32 {
-    return ((bitcast<u32>(offset) + 0xffffu) & 0xffff0000u) | (plane & 0xffffu);
-}
-
-/// The distance of a footing.
-fn plane_offset(footing: u32) -> f32 {
-    return bitcast<f32>(footing & 0xffff0000u);
+    return vec3<f32>(x - select(-below, below, x >= 0.0), y - select(-below, below, y >= 0.0), z) * PLANE_STEP;
 }

@@ -197,9 +197,9 @@ struct SurfelBirth {
     position: vec3<f32>,
     transform_id: u32,
     normal: u32,
+    plane: u32,
     frame: u32,
-    footing: u32,
-    clearance: f32,
+    lengths: u32,
 }
 
 struct SurfelIrradiance {

@@ -4,10 +4,10 @@ import package::draw::{Drawn, draw_ray};
 @if(guides) import package::guide::{guide_density, guide_draw, guide_share, guide_total};
 import package::hash::{hash_hash2, hash_hash3};
 import package::invocation::invocation_index;
+import package::lengths::lengths_up;
 import package::mark::mark_identity;
 import package::mixture::mixture_goes_to_emitter;
 @if(guides) import package::mixture::{mixture_follow_guide, mixture_guided_density};
-import package::plane::plane_offset;
 import package::sampling::{sampling_r2, sampling_start};
 @if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
 import package::types::{
@@ -117,7 +117,7 @@ fn main(
         let seed = hash_hash3(surfel, frame.number, k);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
-        let origin = sampling_start(pose.position, pose.normal, plane_offset(births[i].footing), drawn.direction);
+        let origin = sampling_start(pose.position, pose.normal, lengths_up(births[i].lengths), drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
         paths[ray] = Path(vec3<f32>(1.0), ray, seed, i, drawn.cosine, drawn.density);
     }

@@ -2,7 +2,7 @@
 import package::gbuffer::{gbuffer_position, gbuffer_sides, gbuffer_view_depth};
 import package::octahedral::{octahedral_pack, octahedral_unpack};
 import package::types::{Camera, HostGbuffer, SurfacePoint};
-import package::vector::vector_cross;
+import package::vector::{vector_cross, vector_length};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> host: HostGbuffer;
@@ -31,6 +31,9 @@ fn neighbour(at: vec2<u32>, z: f32, dx: i32, dy: i32) -> Neighbour {
     return Neighbour(gbuffer_position(place, found, camera, host), abs(behind - here), true);
 }
 
+/// Share of the way to a neighbour, up to which depths may be off for the normal between them to count.
+const CERTAIN: f32 = 0.125;
+
 /// The way to the nearer of two neighbours, along the positive axis.
 fn way(position: vec3<f32>, before: Neighbour, after: Neighbour) -> vec3<f32> {
     if before.there && (!after.there || before.deeper < after.deeper) {
@@ -57,7 +60,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let given = octahedral_unpack(points[i].shading_normal);
     let across = way(position, neighbour(at, z, -1, 0), neighbour(at, z, 1, 0));
     let down = way(position, neighbour(at, z, 0, -1), neighbour(at, z, 0, 1));
-    let sides = gbuffer_sides(vector_cross(down, across), given, position - camera.eye);
+    // Far away the steps of a depth buffer are as wide as pixels, and make any plane of a smooth surface.
+    let shortest = min(vector_length(across), vector_length(down));
+    let is_certain = points[i].offset <= CERTAIN * shortest;
+    let flat = select(vec3<f32>(), vector_cross(down, across), is_certain);
+    let sides = gbuffer_sides(flat, given, position - camera.eye);
     points[i].geometric_normal = octahedral_pack(sides.geometric);
     points[i].shading_normal = octahedral_pack(sides.shading);
 }

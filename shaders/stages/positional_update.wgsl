@@ -1,10 +1,11 @@
 // Surfels follow the surfaces that they were born on, and their radius follows the camera.
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::invocation::invocation_index;
+import package::lengths::{lengths_down, lengths_pack, lengths_up};
 @if(depths) import package::lookup::{LOOKUP_CLOSE, LOOKUP_RADIUS_STEPS, lookup_is_known, lookup_rescaled};
 import package::mark::{mark_identity, mark_of};
 import package::octahedral::octahedral_unpack;
-import package::plane::{plane_pack, plane_unpack};
+import package::plane::plane_pack;
 import package::recycling::RECYCLING_LOST;
 import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
 import package::types::{
@@ -91,8 +92,8 @@ fn main(
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));
-    let across = vector_normalize(affine_map_transposed(transform.to_local, plane_unpack(birth.footing)));
-    var clearance = birth.clearance;
+    let across = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.plane)));
+    var clearance = lengths_down(birth.lengths);
     let open = surfel_radius_at(position, clearance, camera, grid, settings);
     var born = birth.frame;
     if open > SURFEL_LEARNS_UP_TO * pose.radius && frame.number - born < SURFEL_LEARNS_FOR {
@@ -101,7 +102,9 @@ fn main(
     }
     if frame.number - born < SURFEL_LEARNS_FOR && is_crowded(i) {
         clearance = min(clearance, SURFEL_SHRINKS_TO * pose.radius);
-        births[i].clearance = clearance;
+        let lengths = lengths_pack(lengths_up(birth.lengths), clearance);
+        births[i].lengths = lengths;
+        clearance = lengths_down(lengths);
     }
     let radius = surfel_radius_at(position, clearance, camera, grid, settings);
     if radius != pose.radius {

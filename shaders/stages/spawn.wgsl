@@ -2,9 +2,10 @@
 import package::affine::{affine_map_point, affine_map_transposed};
 import package::hash::hash_hash3;
 import package::invocation::invocation_index;
+import package::lengths::{lengths_down, lengths_pack};
 import package::mark::mark_of;
 import package::octahedral::{octahedral_pack, octahedral_unpack};
-import package::plane::{plane_footing, plane_pack};
+import package::plane::plane_pack;
 import package::surface::surface_is_surface;
 import package::surfel::{SURFEL_AT_HIT, surfel_radius_at};
 import package::types::{
@@ -47,7 +48,8 @@ fn clearance_of(pixel: u32) -> f32 {
     let first = at - min(at, vec2<u32>(reach));
     let last = min(at + reach, vec2<u32>(camera.width, camera.height) - 1u);
     let position = points[pixel].position;
-    let normal = octahedral_unpack(points[pixel].geometric_normal);
+    let geometric = octahedral_unpack(points[pixel].geometric_normal);
+    let shading = octahedral_unpack(points[pixel].shading_normal);
     var nearest = F32_MAX;
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
@@ -57,7 +59,7 @@ fn clearance_of(pixel: u32) -> f32 {
             }
             let d = point.position - position;
             let squared = vector_dot(d, d);
-            let h = vector_dot(d, normal);
+            let h = min(vector_dot(d, geometric), vector_dot(d, shading));
             if h > 0.0 && h * h > RISES * RISES * squared {
                 let across = abs(vector_dot(octahedral_unpack(point.geometric_normal), d));
                 let pixel_width = camera.pixel_angle * vector_length(point.position - camera.eye);
@@ -95,10 +97,10 @@ fn main(
     }
     let local = vector_normalize(affine_map_transposed(transform.to_world, normal));
     let across = vector_normalize(affine_map_transposed(transform.to_world, geometric));
-    let footing = plane_footing(plane_pack(across), point.offset);
+    let lengths = lengths_pack(point.offset, clearance);
     let born_at = affine_map_point(transform.to_local, point.position);
-    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), frame.number, footing, clearance);
-    let radius = surfel_radius_at(point.position, clearance, camera, grid, settings);
+    births[slot] = SurfelBirth(born_at, point.transform_id, octahedral_pack(local), octahedral_pack(across), frame.number, lengths);
+    let radius = surfel_radius_at(point.position, lengths_down(lengths), camera, grid, settings);
     let identity = hash_hash3(tile | at_hit, frame.number, frame.seed);
     // Nothing hides yet, but in this frame the depth function learns what does.
     poses[slot] = SurfelPose(point.position, radius, normal, mark_of(identity, plane_pack(geometric), false));

@@ -1,8 +1,8 @@
 // Distances of rays into the depth function of the surfels that they began on.
 import package::invocation::invocation_index;
 import package::lookup::{
-    LOOKUP_FARTHEST, LOOKUP_MOMENT_SCALE, LOOKUP_RADIUS_STEPS, LOOKUP_UNKNOWN, lookup_is_known, lookup_moments,
-    lookup_pack_moments
+    LOOKUP_FARTHEST, LOOKUP_MOMENT_SCALE, LOOKUP_RADIUS_STEPS, LOOKUP_UNKNOWN, lookup_guess, lookup_is_known,
+    lookup_moments, lookup_pack_moments
 };
 import package::octahedral::octahedral_hemisphere_encode;
 import package::plane::plane_unpack;
@@ -72,11 +72,9 @@ fn nearer(nearest: u32, there: bool, texel: u32) -> u32 {
     return nearest;
 }
 
-/// Rays that a surfel has drawn before it stops to guess.
-const GUESSES_FOR: u32 = 256u;
-
-/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found in the texels beside.
-fn guess_depths(surfel: u32) {
+/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found in the texels beside; at
+/// last, to be far.
+fn guess_depths(surfel: u32, is_last: bool) {
     let side = settings.depth_side;
     for (var row = 0u; row < side; row++) {
         for (var column = 0u; column < side; column++) {
@@ -89,7 +87,7 @@ fn guess_depths(surfel: u32) {
             nearest = nearer(nearest, row + 1u < side, texel + side);
             nearest = nearer(nearest, column > 0u, texel - 1u);
             nearest = nearer(nearest, column + 1u < side, texel + 1u);
-            depths[texel] = select(LOOKUP_UNKNOWN, nearest, nearest < LOOKUP_RADIUS_STEPS);
+            depths[texel] = select(lookup_guess(nearest), LOOKUP_UNKNOWN, is_last);
         }
     }
 }
@@ -110,7 +108,8 @@ fn main(
     for (var k = 0u; k < span.y; k++) {
         update_depth(i, span.x + k, pose, before + k);
     }
-    if span.y > 0u && before < GUESSES_FOR {
-        guess_depths(i);
+    let guesses_for = settings.depth_side * settings.depth_side * settings.depth_side * settings.depth_side;
+    if span.y > 0u && before < guesses_for {
+        guess_depths(i, before + span.y >= guesses_for);
     }
 }

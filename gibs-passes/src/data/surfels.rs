@@ -77,14 +77,14 @@ element! {
         transform_id: u32,
         /// Packed normal in the node's space, that of shading unless `geometric_normals` is set.
         normal: u32,
+        /// Packed normal of its plane in the node's space.
+        plane: u32,
         /// Frame of birth; an earlier one where the surfel has grown too fast to learn from its depth function.
         frame: u32,
-        /// Its plane in the node's space, and the distance by which rays start off the surface, see
-        /// [`footing`](crate::shared::plane::footing).
-        footing: u32,
-        /// Most radius that its surroundings leave it: the distance to the nearest surface that the picture showed at its birth,
-        /// or half of the radius at which its rays found walls since. It never becomes larger. Metres.
-        clearance: f32,
+        /// [`lengths`](crate::shared::lengths), metres. Rounded up, the distance by which rays start off the surface. Rounded down,
+        /// its clearance, the most radius that its surroundings leave it: the distance to the nearest surface that the picture
+        /// showed at its birth, or half of the radius at which its rays found walls since; it never becomes larger.
+        lengths: u32,
     }
 
     /// Irradiance of a surfel as the multiscale mean estimator holds it, W/m^2.

@@ -3,7 +3,7 @@ use super::upload;
 use crate::data::*;
 use crate::device::EnvironmentTable;
 use crate::shared::grid::{self, GridLayout};
-use crate::shared::{batch, guide, hash, mark};
+use crate::shared::{batch, guide, hash, mark, plane};
 use crate::stages::*;
 use gibs_graph::{BackendError, Dispatch, DispatchArgs, Executable, Graph, Initial};
 use glam::{UVec2, Vec3};
@@ -162,12 +162,13 @@ pub fn upload_probes(
             at(place / SIDE / SIDE),
         )
     };
+    let normal = |probe: u32| frame.normals[(probe / frame.per_place) as usize];
     let poses: Vec<SurfelPose> = (0..probes)
         .map(|probe| SurfelPose {
             position: position(probe / frame.per_place),
             radius: 1.0,
-            normal: frame.normals[(probe / frame.per_place) as usize],
-            mark: mark::of(hash::pcg(probe), 0, false),
+            normal: normal(probe),
+            mark: mark::of(hash::pcg(probe), plane::pack(normal(probe)), false),
         })
         .collect();
     let mut cells = vec![UVec2::ZERO; LAYOUT.cells() as usize];

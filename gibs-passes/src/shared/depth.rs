@@ -124,8 +124,12 @@ pub fn is_known(texel: u32) -> bool {
     texel != UNKNOWN && texel >> 16 != 0
 }
 
+/// Least moments of a texel that a ray has reached.
+pub const KNOWN: Vec2 = Vec2::new(0.0, MOMENT_SCALE);
+
 /// A texel that no ray has reached beside one whose mean distance, in steps, is this: as near, if that is nearer than the radius,
-/// for light that leaks shows more than light that lacks. Its second moment is zero, which tells it from what a ray has taught.
+/// and without variance, for light that leaks shows more than light that lacks. Its second moment is zero, which tells it from
+/// what a ray has taught.
 #[inline]
 pub fn guess(nearest: u32) -> u32 {
     match nearest < RADIUS_STEPS {
@@ -161,9 +165,10 @@ pub fn rescaled(texel: u32, shrinks: f32) -> u32 {
         return UNKNOWN;
     }
     let m = moments(texel);
+    let least = if is_known(texel) { KNOWN.y } else { 0.0 };
     pack_moments(Vec2::new(
         (m.x * shrinks).min(FARTHEST),
-        (m.y * squared).min(FARTHEST),
+        (m.y * squared).clamp(least, FARTHEST),
     ))
 }
 

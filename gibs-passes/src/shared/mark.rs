@@ -5,10 +5,11 @@ use super::plane;
 /// surfels that count at a point of Sponza, and lookups do not load theirs. `positional_update` sets it once a frame.
 pub const OPEN: u32 = 1 << 31;
 
-/// The bits of an identity.
+/// A mask of the bits of an identity.
 pub const IDENTITY: u32 = (OPEN >> plane::BITS) - 1;
 
-/// Hash of where and when the surfel was born, 15 bits: enough that those around a point have different ones.
+/// Hash of where and when the surfel was born, 15 bits: of a few dozen around a point, it is one time in twenty that two have the
+/// same, whose rays then take the same directions about their normals.
 #[inline]
 pub fn identity(mark: u32) -> u32 {
     mark >> plane::BITS & IDENTITY

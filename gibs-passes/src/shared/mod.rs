@@ -11,6 +11,7 @@ pub mod gbuffer;
 pub mod grid;
 pub mod guide;
 pub mod hash;
+pub mod lengths;
 pub mod lists;
 pub mod lookup;
 pub mod mark;

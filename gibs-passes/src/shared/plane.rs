@@ -6,6 +6,9 @@ use glam::Vec3;
 /// Steps from the middle of the octahedral square to its edge.
 pub const STEPS: f32 = 127.0;
 
+/// What [`unpack`] counts in.
+pub const STEP: f32 = 1.0 / 128.0;
+
 /// Bits of a plane.
 pub const BITS: u32 = 16;
 
@@ -17,8 +20,8 @@ pub fn pack(normal: Vec3) -> u32 {
     step(p.x) | step(p.y) << 8
 }
 
-/// A normal of the plane in the low bits of a word, in whole numbers, which every backend computes to the same bits, and which
-/// is not a unit vector: what it is multiplied with has to be divided by its length, or both squared.
+/// A normal of the plane in the low bits of a word, in multiples of a 128th, which every backend computes to the same bits, and
+/// which is no unit vector: what it is multiplied with has to be divided by its length, or both squared.
 #[inline]
 pub fn unpack(bits: u32) -> Vec3 {
     let x = (bits & 0xff) as f32 - STEPS;
@@ -26,20 +29,7 @@ pub fn unpack(bits: u32) -> Vec3 {
     let z = STEPS - x.abs() - y.abs();
     let below = (-z).max(0.0);
     let folded = |c: f32| if c >= 0.0 { c - below } else { c + below };
-    Vec3::new(folded(x), folded(y), z)
-}
-
-/// A plane and the distance by which rays start off the surface, metres, of which the word keeps eight bits, rounded up.
-#[inline]
-pub fn footing(plane: u32, offset: f32) -> u32 {
-    const LOW: u32 = (1 << BITS) - 1;
-    ((offset.to_bits() + LOW) & !LOW) | (plane & LOW)
-}
-
-/// The distance of a footing, metres. The plane is in its low bits.
-#[inline]
-pub fn offset(footing: u32) -> f32 {
-    f32::from_bits(footing >> BITS << BITS)
+    Vec3::new(folded(x), folded(y), z) * STEP
 }
 
 #[cfg(test)]
@@ -73,7 +63,7 @@ mod tests {
     fn axes_are_exact() {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             for n in [axis, -axis] {
-                assert_eq!(unpack(pack(n)), n * STEPS);
+                assert_eq!(unpack(pack(n)), n * (STEPS * STEP));
             }
         }
     }
@@ -82,22 +72,9 @@ mod tests {
     fn no_word_is_without_a_plane() {
         for bits in 0..1 << BITS {
             assert!(
-                unpack(bits).length_squared() >= STEPS * STEPS / 3.0,
+                unpack(bits).length_squared() >= (STEPS * STEP).powi(2) / 3.0,
                 "{bits:#x}"
             );
         }
-    }
-
-    #[test]
-    fn offsets_are_rounded_up_by_a_part_in_128_at_most() {
-        for i in 0..10_000u32 {
-            let offset_given = (hash::unit(hash::hash2(i, 0)) * 200.0 - 100.0).exp2();
-            let kept = offset(footing(hash::pcg(i), offset_given));
-            assert!((offset_given..=offset_given * (1.0 + 1.0 / 128.0)).contains(&kept));
-            assert_eq!(offset(footing(0, kept)), kept);
-            assert_eq!(offset(footing(0, 8.0 * offset_given)), 8.0 * kept);
-        }
-        assert_eq!(offset(footing(u32::MAX, 0.0)), 0.0);
-        assert!(offset(footing(0, f32::MAX)).is_infinite());
     }
 }

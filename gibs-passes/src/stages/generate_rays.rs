@@ -3,7 +3,7 @@ use crate::data::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
 use crate::shared::guide::{self, Guides};
-use crate::shared::{hash, mark, mixture, plane, requests, sampling};
+use crate::shared::{hash, lengths, mark, mixture, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -119,7 +119,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
                 .and_then(|of| Guide::new(of, mark::identity(pose.mark))),
             false => None,
         };
-        let offset = plane::offset(p.births[i].footing);
+        let offset = lengths::up(p.births[i].lengths);
         for ray in first..last {
             let index = p.irradiance[i].drawn.wrapping_add(ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);

@@ -6,8 +6,8 @@ use gibs_graph::{Float, Workgroup, stage};
 use glam::{UVec2, Vec3};
 
 stage! {
-    /// Finds each pixel's geometric normal from the depths around it, where they agree with the normal given (GIBS, "Surfel
-    /// Spawning"), and turns the shading normal to its side. Without this stage both are the normal given. Surfaces that rays
+    /// Finds each pixel's geometric normal from the depths around it, where those are certain enough and agree with the normal given
+    /// (GIBS, "Surfel Spawning"), and turns the shading normal to its side. Without this stage both are the normal given. Surfaces that rays
     /// find have theirs from the triangle.
     pub stage GeometricNormals {
         wgsl: gibs_shaders::stages::GEOMETRIC_NORMALS,
@@ -22,6 +22,10 @@ stage! {
         wide: None,
     }
 }
+
+/// Share of the way to a neighbour, up to which depths may be off, which the offset of rays is twice of, for the normal between them
+/// to count: it is off by as many radians at most.
+pub const CERTAIN: f32 = 0.125;
 
 /// A point some texels away along one axis, and how much deeper it is; beyond the edge and where nothing was drawn,
 /// nothing.
@@ -85,7 +89,13 @@ fn faced(p: &Views<'_>, at: UVec2, point: SurfacePoint) -> SurfacePoint {
         neighbour(p, at, z, 0, -1),
         neighbour(p, at, z, 0, 1),
     );
-    let (geometric, shading) = gbuffer::sides(down.cross(across), given, position - p.camera.eye);
+    // Far away the steps of a depth buffer are as wide as pixels, and make any plane of a smooth surface.
+    let shortest = across.length().min(down.length());
+    let flat = match point.offset <= CERTAIN * shortest {
+        true => down.cross(across),
+        false => Vec3::ZERO,
+    };
+    let (geometric, shading) = gbuffer::sides(flat, given, position - p.camera.eye);
     SurfacePoint {
         geometric_normal: octahedral::pack(geometric),
         shading_normal: octahedral::pack(shading),

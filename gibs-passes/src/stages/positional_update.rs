@@ -2,12 +2,12 @@
 //! the camera (S8).
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
-use crate::shared::{depth, grid, mark, octahedral, plane, recycling};
+use crate::shared::{depth, grid, lengths, mark, octahedral, plane, recycling};
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
 stage! {
-    /// Recomputes position, normal and radius of every live surfel from its birth and its node's transform (GIBS,
+    /// Recomputes position, normal, plane and radius of every live surfel from its birth and its node's transform (GIBS,
     /// "Surfelization of the Scene", "Scale"), and counts the frame among those that no pixel has seen it in. The depth
     /// function, whose distances are over the diameter, follows the radius; where it tells of surfaces close by, which the picture
     /// at its birth need not have shown, a young surfel shrinks. A surfel whose depth function hides nothing within its radius is
@@ -79,19 +79,23 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let position = map_point(&transform.to_world, birth.position);
         let normal =
             map_transposed(&transform.to_local, octahedral::unpack(birth.normal)).normalize();
-        let across = map_transposed(&transform.to_local, plane::unpack(birth.footing)).normalize();
+        let across =
+            map_transposed(&transform.to_local, octahedral::unpack(birth.plane)).normalize();
         let number = p.frame.number;
-        let open = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
+        let mut clearance = lengths::down(birth.lengths);
+        let open = radius_at(position, clearance, p.camera, p.grid, p.settings);
         if open > LEARNS_UP_TO * pose.radius && number.wrapping_sub(birth.frame) < LEARNS_FOR {
             birth.frame = number.wrapping_sub(LEARNS_FOR);
             p.births.set(i, birth);
         }
         let learns = number.wrapping_sub(birth.frame) < LEARNS_FOR;
         if learns && !p.depths.is_empty() && depth::is_crowded(depth()) {
-            birth.clearance = birth.clearance.min(SHRINKS_TO * pose.radius);
+            clearance = clearance.min(SHRINKS_TO * pose.radius);
+            birth.lengths = lengths::pack(lengths::up(birth.lengths), clearance);
+            clearance = lengths::down(birth.lengths);
             p.births.set(i, birth);
         }
-        let radius = radius_at(position, birth.clearance, p.camera, p.grid, p.settings);
+        let radius = radius_at(position, clearance, p.camera, p.grid, p.settings);
         if radius != pose.radius && !p.depths.is_empty() {
             let shrinks = pose.radius / radius;
             for texel in own.clone() {

@@ -5,7 +5,7 @@ use crate::data::{
     Camera, Frame, GridShape, NONE, SurfacePoint, SurfelBirth, SurfelIrradiance, SurfelPose,
     SurfelSettings, Transform,
 };
-use crate::shared::{depth, hash, mark, octahedral, plane, surface};
+use crate::shared::{depth, hash, lengths, mark, octahedral, plane, surface};
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
@@ -39,7 +39,8 @@ pub const AT_HIT: u32 = 1 << 31;
 /// Sine of the angle from which on a surface counts as rising above a surfel.
 pub const RISES: f32 = 0.25;
 
-/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres.
+/// Distance from a pixel's surface to the nearest one in the picture that rises above it, within two target radii, metres: above
+/// its plane, and, as the next facet of a coarse mesh does not, above the normal of shading.
 /// Irradiance changes over such distances (Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse
 /// Interreflection": the harmonic mean distance to surfaces sets the spacing of samples), and a disc that ends at a wall says
 /// nothing behind it. Between pixels a surface goes on in its plane, so that the distance is that to the plane, but at most
@@ -49,7 +50,8 @@ fn clearance(p: &Views<'_>, pixel: u32) -> f32 {
     let (x, y) = (pixel % width, pixel / width);
     let reach = (2.0 * p.settings.radius_pixels) as u32;
     let own = &p.points[pixel as usize];
-    let (position, normal) = (own.position, octahedral::unpack(own.geometric_normal));
+    let position = own.position;
+    let normals = [own.geometric_normal, own.shading_normal].map(octahedral::unpack);
     let mut nearest = f32::MAX;
     for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
         for column in x.saturating_sub(reach)..=(x + reach).min(width - 1) {
@@ -59,7 +61,7 @@ fn clearance(p: &Views<'_>, pixel: u32) -> f32 {
             }
             let d = point.position - position;
             let squared = d.dot(d);
-            let h = d.dot(normal);
+            let h = d.dot(normals[0]).min(d.dot(normals[1]));
             if h > 0.0 && h * h > RISES * RISES * squared {
                 let across = octahedral::unpack(point.geometric_normal).dot(d).abs();
                 let pixel = p.camera.pixel_angle * (point.position - p.camera.eye).length();
@@ -89,6 +91,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             0 => clearance(p, claim.y),
             _ => f32::MAX,
         };
+        let lengths = lengths::pack(point.offset, clearance);
+        let clearance = lengths::down(lengths);
         let local = |normal| map_transposed(&transform.to_world, normal).normalize();
         p.births.set(
             slot,
@@ -97,8 +101,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
                 transform_id: point.transform_id,
                 normal: octahedral::pack(local(normal)),
                 frame: p.frame.number,
-                footing: plane::footing(plane::pack(local(geometric)), point.offset),
-                clearance,
+                plane: octahedral::pack(local(geometric)),
+                lengths,
             },
         );
         let identity = hash::hash3(tile as u32 | at_hit, p.frame.number, p.frame.seed);

@@ -1,7 +1,7 @@
 //! `persistent/update_depth`: distances of rays into the depth functions (S14).
 use crate::data::{Hit, Ray, SurfelIrradiance, SurfelPose, SurfelSettings};
 use crate::shared::depth::{
-    FARTHEST, MOMENT_SCALE, RADIUS_STEPS, count, guess, index, is_known, moments, pack_moments,
+    FARTHEST, KNOWN, RADIUS_STEPS, UNKNOWN, count, guess, index, is_known, moments, pack_moments,
 };
 use crate::shared::{octahedral, plane, requests, sampling};
 use crate::simd;
@@ -42,7 +42,7 @@ pub fn depth_blend(samples: u32, least: f32) -> f32 {
 }
 
 /// Takes a distance, in diameters, into a texel. The first one replaces what was there, which is a guess: the texels at the
-/// rim across the corners of the square see one ray in forty, and would stay half open beside a wall for long.
+/// rim across the corners of the square see one ray in forty, and would stay half open or half closed for long.
 #[inline]
 pub fn learn(texel: u32, t: f32, blend: f32) -> u32 {
     let mut new = Vec2::new(t, t * t);
@@ -53,12 +53,13 @@ pub fn learn(texel: u32, t: f32, blend: f32) -> u32 {
     pack_moments(new.max(KNOWN))
 }
 
-/// Least moments of a texel that a ray has reached.
-pub const KNOWN: Vec2 = Vec2::new(0.0, MOMENT_SCALE);
-
-/// Rays that a surfel has drawn before it stops to guess: of so many, the texel that the fewest meet, one in forty, has met one but
-/// once in six hundred times.
-pub const GUESSES_FOR: u32 = 256;
+/// Rays that a surfel has drawn when it stops to guess, and takes what none has reached for open: the fourth power of the side. The
+/// corners of the square meet the fewest rays, one in 45 of 4x4 texels and one in 636 of 8x8; they have met one by then but
+/// for three times in a thousand.
+#[inline]
+pub fn guesses_for(side: u32) -> u32 {
+    side * side * side * side
+}
 
 /// What surfels learn distances from.
 #[derive(Clone, Copy, Debug)]
@@ -157,9 +158,11 @@ fn guess_each(
 ) {
     let texels = count(d.side);
     for i in range {
-        if d.spans[i].y == 0 || d.irradiance[i].drawn >= GUESSES_FOR {
+        let before = d.irradiance[i].drawn;
+        if d.spans[i].y == 0 || before >= guesses_for(d.side) {
             continue;
         }
+        let is_last = before + d.spans[i].y >= guesses_for(d.side);
         for texel in 0..texels {
             if is_known(get(i * texels + texel)) {
                 continue;
@@ -176,7 +179,8 @@ fn guess_each(
             beside(row + 1 < d.side, texel + d.side as usize);
             beside(column > 0, texel.wrapping_sub(1));
             beside(column + 1 < d.side, texel + 1);
-            set(i * texels + texel, guess(nearest));
+            let guess = if is_last { UNKNOWN } else { guess(nearest) };
+            set(i * texels + texel, guess);
         }
     }
 }
@@ -184,7 +188,6 @@ fn guess_each(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shared::depth::UNKNOWN;
 
     /// A blend of a sixth, as after 160 rays, would leave five sixths of the guess.
     #[test]
@@ -214,9 +217,7 @@ mod tests {
     /// In a function of 3x3 texels whose middle one alone has been reached.
     #[test]
     fn what_no_ray_has_reached_is_as_close_as_what_is_beside() {
-        let guessed = |t: f32, drawn: u32| {
-            let mut texels = [UNKNOWN; 9];
-            texels[4] = learn(UNKNOWN, t, 1.0);
+        let guessed = |mut texels: [u32; 9], drawn: u32| {
             let depths = std::cell::RefCell::new(&mut texels);
             let irradiance = [SurfelIrradiance {
                 drawn,
@@ -238,7 +239,12 @@ mod tests {
             });
             texels
         };
-        let near = guessed(0.2, 0);
+        let reached = |t: f32| {
+            let mut texels = [UNKNOWN; 9];
+            texels[4] = learn(UNKNOWN, t, 1.0);
+            texels
+        };
+        let near = guessed(reached(0.2), 0);
         for beside in [1, 3, 5, 7] {
             assert!(!is_known(near[beside]));
             assert!((moments(near[beside]).x - 0.2).abs() < 1e-4);
@@ -246,9 +252,20 @@ mod tests {
             assert_eq!(learn(near[beside], 0.9, 0.1), learn(UNKNOWN, 0.9, 0.1));
         }
         assert!([0, 2, 6, 8].iter().all(|&corner| near[corner] == UNKNOWN));
-        let old = guessed(0.2, GUESSES_FOR);
-        for untouched in [guessed(0.51, 0), old] {
-            assert_eq!(untouched.iter().filter(|t| **t != UNKNOWN).count(), 1);
-        }
+        assert_eq!(
+            guessed(reached(0.51), 0),
+            reached(0.51),
+            "not within the radius"
+        );
+        assert_eq!(
+            guessed(near, guesses_for(3) - 1),
+            reached(0.2),
+            "no guess stays"
+        );
+        assert_eq!(
+            guessed(near, guesses_for(3)),
+            near,
+            "nor is looked for again"
+        );
     }
 }

@@ -4,7 +4,7 @@ use super::inputs::Draw;
 use gibs_graph::glam::{Vec2, Vec3};
 use gibs_passes::data::SurfelPose;
 use gibs_passes::shared::depth::{Depth, Depths};
-use gibs_passes::shared::{depth, hash, lookup, mark, mixture, plane, recycling};
+use gibs_passes::shared::{depth, hash, lengths, lookup, mark, mixture, plane, recycling};
 
 /// A surfel in the middle, and of a size that a place near it can be within.
 fn pose(d: &mut Draw) -> SurfelPose {
@@ -50,6 +50,13 @@ twin! {
     wgsl "u32(lookup_is_known(texel))",
     rust u32::from(depth::is_known(texel)),
     draw |d| { let any = d.word(); (d.one_of(&[any, any & 0xffff, any | 0xffff, 0, u32::MAX]),) },
+    bound EXACT,
+}
+twin! {
+    guess ["lookup::lookup_guess"], (nearest: u32) -> u32,
+    wgsl "lookup_guess(nearest)",
+    rust depth::guess(nearest),
+    draw |d| { let any = d.below(0x1_0000); (d.one_of(&[any, 0, 0x7fff, 0x8000]),) },
     bound EXACT,
 }
 twin! {
@@ -219,17 +226,24 @@ twin! {
     bound EXACT,
 }
 twin! {
-    footing ["plane::plane_footing"], (plane: u32, offset: f32) -> u32,
-    wgsl "plane_footing(plane, offset)",
-    rust plane::footing(plane, offset),
-    draw |d| (d.word(), d.magnitude(-60, 60)),
+    lengths_pack ["lengths::lengths_pack"], (up: f32, down: f32) -> u32,
+    wgsl "lengths_pack(up, down)",
+    rust lengths::pack(up, down),
+    draw |d| (d.magnitude(-60, 60), d.magnitude(-60, 60)),
     bound EXACT,
 }
 twin! {
-    plane_offset ["plane::plane_offset"], (footing: u32) -> f32,
-    wgsl "plane_offset(footing)",
-    rust plane::offset(footing),
-    draw |d| { let footing = plane::footing(d.word(), d.magnitude(-60, 60)); (footing,) },
+    lengths_up ["lengths::lengths_up"], (word: u32) -> f32,
+    wgsl "lengths_up(word)",
+    rust lengths::up(word),
+    draw |d| { let word = lengths::pack(d.magnitude(-60, 60), d.magnitude(-60, 60)); (word,) },
+    bound EXACT,
+}
+twin! {
+    lengths_down ["lengths::lengths_down"], (word: u32) -> f32,
+    wgsl "lengths_down(word)",
+    rust lengths::down(word),
+    draw |d| { let word = lengths::pack(d.magnitude(-60, 60), d.magnitude(-60, 60)); (word,) },
     bound EXACT,
 }
 twin! {
@@ -308,6 +322,7 @@ twins!(
     steps,
     moments,
     is_known,
+    guess,
     pack_moments,
     rescaled,
     chebyshev,
@@ -325,8 +340,9 @@ twins!(
     mark_of,
     plane_pack,
     plane_unpack,
-    footing,
-    plane_offset,
+    lengths_pack,
+    lengths_up,
+    lengths_down,
     looks,
     chance,
     goes_to_emitter,

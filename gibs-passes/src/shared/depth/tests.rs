@@ -173,3 +173,18 @@ fn every_texel_is_found_where_its_rays_go() {
         assert!(depths.get(3).is_none() && Depths::new(&[], side).get(0).is_none());
     }
 }
+
+/// What no ray has reached is far as surfaces go, however close it is guessed to be; what one has reached counts, though it has no
+/// second moment to speak of, and stays what it is when the surfel grows.
+#[test]
+fn guesses_are_no_walls() {
+    let near = pack_moments(Vec2::new(0.002, 0.0).max(KNOWN));
+    assert!(is_known(near) && is_crowded([near; 16].into_iter()));
+    assert!(!is_known(guess(5)) && !is_crowded([guess(5); 16].into_iter()));
+    assert!(!is_crowded([UNKNOWN; 16].into_iter()));
+    assert_eq!(guess(RADIUS_STEPS), UNKNOWN);
+    for shrinks in [0.01, 0.5, 1.0, 3.0] {
+        assert!(is_known(rescaled(near, shrinks)), "{shrinks}");
+        assert!(!is_known(rescaled(guess(5), shrinks)), "{shrinks}");
+    }
+}

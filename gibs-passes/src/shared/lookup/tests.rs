@@ -103,8 +103,7 @@ fn a_surfel_covers_its_plane_whatever_its_normal() {
             };
             for share in [0.1f32, 0.5, 0.9] {
                 let d = 0.5 * share * along;
-                // The plane's 16 bits turn it by 0.017 radians, of whose square distances along it count 15 times; across it, twice
-                // the angle's square.
+                // The plane's 16 bits turn it by up to 0.017 radians, and the square of that counts 15 times.
                 let within = 1.0 - share * share;
                 assert!(
                     (nearness(d, &pose) - within).abs() < 5e-3,

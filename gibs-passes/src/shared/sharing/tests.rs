@@ -1,7 +1,7 @@
 //! Tests of `shared/sharing.rs`.
 use super::*;
 use crate::data::SurfelPose;
-use crate::shared::{estimator, hash, lookup};
+use crate::shared::{estimator, hash, lookup, plane};
 
 #[test]
 fn packing_keeps_trust_rays_and_variance() {
@@ -136,6 +136,7 @@ fn rare_light_is_not_lost_by_sharing() {
     let wide = SurfelPose {
         radius: REACH as f32,
         normal: Vec3::Y,
+        mark: plane::pack(Vec3::Y),
         ..SurfelPose::default()
     };
     for frames in [2, 8, 16] {

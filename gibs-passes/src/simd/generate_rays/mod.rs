@@ -13,7 +13,7 @@ use super::hashes::{hash2, hash3, unit};
 use super::lanes::{columns, loaded_words, store_rows};
 use crate::data::{Path, Ray};
 use crate::shared::sampling::R2_STEPS;
-use crate::shared::{mark, plane, requests};
+use crate::shared::{lengths, mark, plane, requests};
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
 
@@ -90,7 +90,7 @@ impl Batch {
         let (position, normal) = ([x, y, z], [nx, ny, nz]);
         let offset = self
             .surfels
-            .map(|i| plane::offset(from.births[i].footing).to_bits());
+            .map(|i| lengths::up(from.births[i].lengths).to_bits());
         let drawn = self.surfels.map(|i| from.irradiance[i].drawn);
         let turn = loaded_words(&self.turns);
         let identity = _mm256_srli_epi32::<{ plane::BITS as i32 }>(_mm256_castps_si256(marks));

@@ -4,7 +4,7 @@ use super::generate_rays;
 use crate::data::{Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose};
 use crate::shared::guide::Guides;
 use crate::shared::hash::{hash2, unit};
-use crate::shared::plane;
+use crate::shared::lengths;
 use crate::stages::generate_rays::{Surfels, generate_each};
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3};
@@ -43,7 +43,7 @@ fn both(frame: &Frame, range: Range<usize>) -> [Made; 2] {
     let ids = || 0..SURFELS;
     let poses: Vec<_> = ids().map(pose).collect();
     let births = ids().map(|i| SurfelBirth {
-        footing: plane::footing(hash2(i, 11), random(i, 8).abs() * 1e-4),
+        lengths: lengths::pack(random(i, 8).abs() * 1e-4, 1.0),
         ..SurfelBirth::zeroed()
     });
     let irradiance = ids().map(|i| SurfelIrradiance {

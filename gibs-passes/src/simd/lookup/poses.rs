@@ -6,7 +6,7 @@ use super::super::directions::{hemisphere, to_local};
 use super::super::lanes::{Lanes3, all, dot, magnitude, positive};
 use crate::data::SurfelPose;
 use crate::shared::depth::{self, Depths};
-use crate::shared::plane::STEPS;
+use crate::shared::plane::{STEP, STEPS};
 use crate::shared::{lookup, mark};
 
 /// Eight surfels, in columns.
@@ -116,7 +116,8 @@ impl Poses {
                 _mm256_or_ps(below, _mm256_and_ps(c, _mm256_set1_ps(-0.0))),
             )
         };
-        [folded(x), folded(y), z]
+        let step = _mm256_set1_ps(STEP);
+        [folded(x), folded(y), z].map(|c| _mm256_mul_ps(c, step))
     }
 
     /// From each surfel to a point.

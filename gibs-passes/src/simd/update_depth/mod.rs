@@ -11,9 +11,9 @@ use super::directions::{hemisphere, to_local};
 use super::lanes::{columns, dot, loaded, positive, stored, stored_words};
 use super::lookup::poses::Poses;
 use super::{Avx2, prefetch};
-use crate::shared::depth::{FARTHEST, MOMENT_SCALE, count as texels_of, is_known};
+use crate::shared::depth::{FARTHEST, KNOWN, MOMENT_SCALE, count as texels_of, is_known};
 use crate::shared::requests;
-use crate::stages::update_depth::{DEPTH_SETTLES, Distances, KNOWN, update_each};
+use crate::stages::update_depth::{DEPTH_SETTLES, Distances, update_each};
 
 /// Rays whose hits are asked for at once.
 const BATCH: usize = 64;

@@ -35,7 +35,7 @@ fn pose(i: u32) -> SurfelPose {
             1 => Vec3::X,
             _ => direction(i, 4),
         },
-        mark: i,
+        mark: hash2(i, 9),
     }
 }
 
@@ -73,6 +73,8 @@ fn hit(i: u32) -> Hit {
 fn texel(i: u32) -> u32 {
     match hash2(i, 15) {
         bits if bits & 3 == 0 => UNKNOWN,
+        // A guess.
+        bits if bits & 3 == 1 => bits >> 16,
         bits => bits,
     }
 }
