@@ -7,8 +7,12 @@ mod wall;
 
 use common::{all_backends, settings};
 use gibs::Renderer;
-use gibs::passes::scene::{LocalTransform, Scene};
+use gibs::passes::data::SurfacePoint;
+use gibs::passes::scene::{Environment, LocalTransform, Scene};
+use gibs::passes::shared::plane::OFF;
+use gibs::passes::shared::surface;
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
+use std::f64::consts::PI;
 
 /// Ten metres of floor from above, whose normals lean by so much, beside a lamp; a metre has ten pixels. How many surfels there
 /// are after 32 frames, and what share of the picture they cover by less than a half.
@@ -80,6 +84,43 @@ fn surfels_are_as_many_as_on_upright_normals() {
             let apart = f64::from(live.abs_diff(upright)) / f64::from(upright);
             assert!(apart < 0.1, "{name}: {live} surfels, upright {upright}");
             assert!(holes < 0.002, "{name}: {holes}");
+        }
+    }
+}
+
+/// A square whose normals lean by 40 degrees: of the rays about those a ninth go below it, and meet nothing there. So under a sky of 1
+/// E is pi, and if it shines by 1 itself in the dark, nothing. What goes below by no more than [`OFF`] may meet the square from above:
+/// `2 sin(40 deg) / pi` of the lobe for each radian, 0.7 %, and a third of that for chance. Rays that all began above it
+/// would have 4 % too little, and a ninth of pi.
+#[test]
+fn rays_that_go_below_a_surface_do_not_meet_it() {
+    let lean = 40.0f32.to_radians();
+    let bound = 4.0 / 3.0 * PI * f64::from(2.0 * lean.sin() / std::f32::consts::PI * OFF);
+    for backend in all_backends() {
+        let name = backend.name();
+        for (sky, emission) in [(1.0, 0.0), (0.0, 1.0)] {
+            let (mut scene, mut view) = wall::wall_from_above(1.0);
+            scene.nodes[0].meshes = vec![0];
+            let floor = &mut scene.meshes[0];
+            floor.normals = vec![Vec3::new(0.0, lean.sin(), lean.cos()); floor.positions.len()];
+            scene.materials[0].emission = Vec3::splat(emission);
+            view.environment = Environment::Constant(Vec3::splat(sky));
+            let size = [48, 27];
+            let settings = settings(4_000);
+            let mut renderer = Renderer::new(backend.as_ref(), &scene, &view, size, &settings, 0)
+                .unwrap_or_else(|e| panic!("{name}: {e}"));
+            (0..32).for_each(|_| renderer.frame().expect("a frame"));
+            let found: Vec<Vec4> = renderer.output("irradiance").expect("an output");
+            let points: Vec<SurfacePoint> = renderer.output("points").expect("an output");
+            let seen = found.iter().zip(&points);
+            let seen: Vec<f64> = seen
+                .filter(|(_, point)| surface::is_surface(point))
+                .map(|(e, _)| f64::from(e.x))
+                .collect();
+            let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+            let exact = PI * f64::from(sky);
+            println!("{name}: {mean:.4} of {exact:.4}, within {bound:.4}");
+            assert!((mean - exact).abs() <= bound, "{name}: {mean}, not {exact}");
         }
     }
 }

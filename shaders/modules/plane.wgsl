@@ -4,6 +4,9 @@ import package::octahedral::octahedral_encode;
 /// Steps from the middle of the octahedral square to its edge.
 const PLANE_STEPS: f32 = 127.0;
 
+/// Sine of the angle below a plane up to which a direction may be above the surface.
+const PLANE_OFF: f32 = 0.017;
+
 /// What `plane_unpack` counts in.
 const PLANE_STEP: f32 = 1.0 / 128.0;
 

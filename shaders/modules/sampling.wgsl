@@ -47,8 +47,8 @@ fn sampling_r2(index: u32, shift: vec2<u32>) -> vec2<f32> {
 
 /// Where a ray along `direction` begins that leaves `position` on a surface with geometric normal `n`: `offset` to the
 /// side that it leaves to.
-fn sampling_start(position: vec3<f32>, n: vec3<f32>, offset: f32, direction: vec3<f32>) -> vec3<f32> {
-    if vector_dot(n, direction) >= 0.0 {
+fn sampling_start(position: vec3<f32>, n: vec3<f32>, offset: f32, below: f32, direction: vec3<f32>) -> vec3<f32> {
+    if vector_dot(n, direction) >= -below {
         return position + n * offset;
     }
     return position - n * offset;

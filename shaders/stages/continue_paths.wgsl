@@ -43,7 +43,7 @@ fn main(
     let at_emitter = hash_unit(third) < MIXTURE_TO_EMITTERS;
     let drawn = draw_ray(point.position, normal, uv, second, at_emitter);
     let geometric = octahedral_unpack(point.geometric_normal);
-    let origin = sampling_start(point.position, geometric, point.offset, drawn.direction);
+    let origin = sampling_start(point.position, geometric, point.offset, 0.0, drawn.direction);
     let slot = before[i / PATHS_PER_WORD] + countOneBits(word & ((1u << bit) - 1u));
     next_rays[slot] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
     path.seed = third;

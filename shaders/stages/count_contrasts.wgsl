@@ -1,6 +1,6 @@
 // Blocks of 2x2 pixels across which light differs much: how many of their pixels are still to be lit.
+import package::between::between_is_open;
 import package::invocation::invocation_index;
-import package::surface::surface_is_surface;
 import package::types::{Camera, F32_MAX, Gathered, SurfacePoint};
 import package::upsample::{UPSAMPLE_CONTRAST, upsample_light, upsample_pixel_in};
 
@@ -28,12 +28,6 @@ fn contrast(at: vec2<u32>) -> bool {
     return most > UPSAMPLE_CONTRAST * least;
 }
 
-/// A pixel lies in the picture, sees a surface and was not selected.
-fn is_open(at: vec2<u32>) -> bool {
-    let i = at.y * camera.width + at.x;
-    return at.x < camera.width && at.y < camera.height && selected[i] == 0u && surface_is_surface(points[i]);
-}
-
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -47,7 +41,7 @@ fn main(
     var count = 0u;
     if contrast(upsample_pixel_in(block, 0u, camera.width)) {
         for (var number = 0u; number < 4u; number++) {
-            count += select(0u, 1u, is_open(upsample_pixel_in(block, number, camera.width)));
+            count += select(0u, 1u, between_is_open(upsample_pixel_in(block, number, camera.width)));
         }
     }
     contrasts[block] = count;

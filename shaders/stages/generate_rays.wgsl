@@ -8,12 +8,14 @@ import package::lengths::lengths_up;
 import package::mark::mark_identity;
 import package::mixture::mixture_goes_to_emitter;
 @if(guides) import package::mixture::{mixture_follow_guide, mixture_guided_density};
+import package::plane::{PLANE_OFF, plane_unpack};
 import package::sampling::{sampling_r2, sampling_start};
 @if(guides) import package::sampling::{sampling_cosine_hemisphere, sampling_to_local, sampling_to_world};
 import package::types::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings
 };
 @if(guides) import package::types::F32_MAX;
+import package::vector::vector_normalize;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> settings: SurfelSettings;
@@ -111,13 +113,16 @@ fn main(
     let surfel = hash_hash2(mark_identity(pose.mark), frame.seed);
     let shift = vec2<u32>(hash_hash2(surfel, 0u), hash_hash2(surfel, 1u));
     let guide = find_guide(i, mark_identity(pose.mark));
+    // What goes below the surface, where the normal leans away from it, would meet that at once from above.
+    let across = vector_normalize(plane_unpack(pose.mark));
+    let offset = lengths_up(births[i].lengths);
     for (var k = 0u; k < span.y; k++) {
         let ray = span.x + k;
         let index = irradiance[i].drawn + k;
         let seed = hash_hash3(surfel, frame.number, k);
         let at_emitter = mixture_goes_to_emitter(index, hash_hash2(surfel, 2u));
         let drawn = draw_guided(i, pose, sampling_r2(index, shift), seed, at_emitter, guide);
-        let origin = sampling_start(pose.position, pose.normal, lengths_up(births[i].lengths), drawn.direction);
+        let origin = sampling_start(pose.position, across, offset, PLANE_OFF, drawn.direction);
         rays[ray] = Ray(origin, 0.0, drawn.direction, drawn.t_max);
         paths[ray] = Path(vec3<f32>(1.0), ray, seed, i, drawn.cosine, drawn.density);
     }

@@ -1,6 +1,6 @@
 // The points of the pixels between which light differs much, one after the other, block by block.
+import package::between::between_is_open;
 import package::invocation::invocation_index;
-import package::surface::surface_is_surface;
 import package::types::{Camera, SurfacePoint};
 import package::upsample::upsample_pixel_in;
 
@@ -24,9 +24,8 @@ fn main(
     var slot = scanned[block];
     for (var number = 0u; number < 4u; number++) {
         let at = upsample_pixel_in(block, number, camera.width);
-        let i = at.y * camera.width + at.x;
-        if at.x < camera.width && at.y < camera.height && selected[i] == 0u && surface_is_surface(points[i]) {
-            packed[slot] = points[i];
+        if between_is_open(at) {
+            packed[slot] = points[at.y * camera.width + at.x];
             slot += 1u;
         }
     }

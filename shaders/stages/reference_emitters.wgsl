@@ -118,7 +118,7 @@ fn main(
         if cosine > 0.0 && choice.density > 0.0 {
             irradiance = choice.radiance * (cosine / (choice.density + cosine * FRAC_1_PI));
             let geometric = octahedral_unpack(vertex.geometric_normal);
-            let origin = sampling_start(vertex.position, geometric, vertex.offset, choice.direction);
+            let origin = sampling_start(vertex.position, geometric, vertex.offset, 0.0, choice.direction);
             ray = Ray(origin, 0.0, choice.direction, choice.reach);
         }
     }

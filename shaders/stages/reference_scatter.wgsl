@@ -42,7 +42,7 @@ fn main(
         let local = sampling_cosine_hemisphere(hash_unit(first), hash_unit(second));
         let direction = sampling_to_world(local, normal);
         let geometric = octahedral_unpack(vertex.geometric_normal);
-        let origin = sampling_start(vertex.position, geometric, vertex.offset, direction);
+        let origin = sampling_start(vertex.position, geometric, vertex.offset, 0.0, direction);
         ray = Ray(origin, 0.0, direction, F32_MAX);
     }
     paths[i] = path;

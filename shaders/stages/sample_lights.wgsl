@@ -78,7 +78,7 @@ fn main(
         let arriving = unshadowed(lights[index], point.position, octahedral_unpack(point.shading_normal));
         if vector_max_element(arriving.irradiance) > 0.0 {
             let geometric = octahedral_unpack(point.geometric_normal);
-            let origin = sampling_start(point.position, geometric, point.offset, arriving.to);
+            let origin = sampling_start(point.position, geometric, point.offset, 0.0, arriving.to);
             ray = Ray(origin, 0.0, arriving.to, arriving.distance * REACH);
             irradiance = arriving.irradiance * weight;
         }

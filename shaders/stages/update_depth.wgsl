@@ -64,15 +64,25 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     depths[texel] = lookup_pack_moments(max(learned, vec2<f32>(0.0, LOOKUP_MOMENT_SCALE)));
 }
 
-/// The nearer of a mean distance, in steps, and that of a texel, where there is one that a ray has reached.
-fn nearer(nearest: u32, there: bool, texel: u32) -> u32 {
-    if there && lookup_is_known(depths[texel]) {
-        return min(nearest, depths[texel] & 0xffffu);
+/// The least mean distance, in steps, that a ray has found beside a texel: a quarter of the side away, rows and columns together; that of
+/// the radius at most.
+fn nearest_beside(surfel: u32, row: u32, column: u32) -> u32 {
+    let side = settings.depth_side;
+    let reach = max(side / 4u, 1u);
+    var nearest = LOOKUP_RADIUS_STEPS;
+    for (var y = row - min(row, reach); y <= min(row + reach, side - 1u); y++) {
+        let along = reach - (max(y, row) - min(y, row));
+        for (var x = column - min(column, along); x <= min(column + along, side - 1u); x++) {
+            let other = depths[(surfel * side + y) * side + x];
+            if lookup_is_known(other) {
+                nearest = min(nearest, other & 0xffffu);
+            }
+        }
     }
     return nearest;
 }
 
-/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found in the texels beside; at
+/// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found beside; at
 /// last, to be far.
 fn guess_depths(surfel: u32, is_last: bool) {
     let side = settings.depth_side;
@@ -82,12 +92,7 @@ fn guess_depths(surfel: u32, is_last: bool) {
             if lookup_is_known(depths[texel]) {
                 continue;
             }
-            var nearest = LOOKUP_RADIUS_STEPS;
-            nearest = nearer(nearest, row > 0u, texel - side);
-            nearest = nearer(nearest, row + 1u < side, texel + side);
-            nearest = nearer(nearest, column > 0u, texel - 1u);
-            nearest = nearer(nearest, column + 1u < side, texel + 1u);
-            depths[texel] = select(lookup_guess(nearest), LOOKUP_UNKNOWN, is_last);
+            depths[texel] = select(lookup_guess(nearest_beside(surfel, row, column)), LOOKUP_UNKNOWN, is_last);
         }
     }
 }

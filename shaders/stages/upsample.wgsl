@@ -1,4 +1,5 @@
 // Every pixel's light from that of the selected ones: its own, or the mean of those around it.
+import package::between::between_is_open;
 import package::invocation::invocation_index;
 import package::surface::surface_is_surface;
 import package::types::{Camera, Gathered, SurfacePoint};
@@ -23,11 +24,7 @@ fn in_contrast(block: u32, at: vec2<u32>) -> Gathered {
     var slot = contrasts_scanned[block];
     let own = (at.x & 1u) + 2u * (at.y & 1u);
     for (var number = 0u; number < own; number++) {
-        let other = upsample_pixel_in(block, number, camera.width);
-        let i = other.y * camera.width + other.x;
-        if other.x < camera.width && selected[i] == 0u && surface_is_surface(points[i]) {
-            slot += 1u;
-        }
+        slot += select(0u, 1u, between_is_open(upsample_pixel_in(block, number, camera.width)));
     }
     return contrasts_packed[slot];
 }

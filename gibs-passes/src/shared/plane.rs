@@ -9,6 +9,9 @@ pub const STEPS: f32 = 127.0;
 /// What [`unpack`] counts in.
 pub const STEP: f32 = 1.0 / 128.0;
 
+/// Sine of the angle below a plane up to which a direction may be above the surface.
+pub const OFF: f32 = 0.017;
+
 /// Bits of a plane.
 pub const BITS: u32 = 16;
 
@@ -53,6 +56,7 @@ mod tests {
                 angle < 1.5f32.sqrt() * 3f32.sqrt() / STEPS,
                 "{n} is off by {angle}"
             );
+            assert!(angle < OFF, "{n} is off by {angle}");
             // Packed again, as for a surfel whose node has not turned, it stays; some planes have two words.
             let again = pack(unpack(packed).normalize());
             assert_eq!(unpack(again), unpack(packed), "{n}");

@@ -50,12 +50,12 @@ pub fn r2(index: u32, shift: (u32, u32)) -> (f32, f32) {
 }
 
 /// Where a ray along `direction` begins that leaves `position` on a surface with geometric normal `n`, so that it
-/// misses that surface: `offset` to the side that it leaves to. Rays of surfels give the normal that their light comes over, by whose
-/// cosine to the geometric one the distance to the surface is less. The offset is a bound of the position's rounding
+/// misses that surface: `offset` to the side that it leaves to, where what goes below it by a sine of no more than `below` leaves
+/// above, for a normal that is off by so much. The offset is a bound of the position's rounding
 /// error (Waechter and Binder 2019 motivate a bound that scales with the coordinates; see `surface::offset`).
 #[inline]
-pub fn start(position: Vec3, n: Vec3, offset: f32, direction: Vec3) -> Vec3 {
-    if n.dot(direction) >= 0.0 {
+pub fn start(position: Vec3, n: Vec3, offset: f32, below: f32, direction: Vec3) -> Vec3 {
+    if n.dot(direction) >= -below {
         position + n * offset
     } else {
         position - n * offset

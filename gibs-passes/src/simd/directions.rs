@@ -199,8 +199,14 @@ fn sin_cos_turns(turns: __m256) -> [__m256; 2] {
 /// [`crate::shared::sampling::start`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-pub fn start(position: &Lanes3, n: &Lanes3, offset: __m256, direction: &Lanes3) -> Lanes3 {
-    let above = _mm256_cmp_ps::<_CMP_GE_OQ>(dot(n, direction), _mm256_setzero_ps());
+pub fn start(
+    position: &Lanes3,
+    n: &Lanes3,
+    offset: __m256,
+    below: f32,
+    direction: &Lanes3,
+) -> Lanes3 {
+    let above = _mm256_cmp_ps::<_CMP_GE_OQ>(dot(n, direction), _mm256_set1_ps(-below));
     let step = scaled(n, offset);
     either(above, &sum(position, &step), &difference(position, &step))
 }

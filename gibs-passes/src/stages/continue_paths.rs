@@ -97,7 +97,7 @@ pub fn continue_each(p: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usi
         let direction = drawn.direction;
         let geometric = octahedral::unpack(point.geometric_normal);
         let ray = Ray {
-            origin: sampling::start(point.position, geometric, point.offset, direction),
+            origin: sampling::start(point.position, geometric, point.offset, 0.0, direction),
             t_min: 0.0,
             direction,
             t_max: drawn.t_max,

@@ -3,7 +3,7 @@ use crate::data::{
     Emitter, Frame, Path, Ray, SurfelBirth, SurfelIrradiance, SurfelPose, SurfelSettings,
 };
 use crate::shared::guide::{self, Guides};
-use crate::shared::{hash, lengths, mark, mixture, requests, sampling};
+use crate::shared::{hash, lengths, mark, mixture, plane, requests, sampling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::{UVec2, Vec3};
@@ -120,6 +120,8 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
             false => None,
         };
         let offset = lengths::up(p.births[i].lengths);
+        // What goes below the surface, where the normal leans away from it, would meet that at once from above.
+        let across = plane::unpack(pose.mark).normalize();
         for ray in first..last {
             let index = p.irradiance[i].drawn.wrapping_add(ray - first);
             let seed = hash::hash3(surfel, p.frame.number, ray - first);
@@ -153,7 +155,7 @@ pub fn generate_each(p: &Surfels<'_>, range: Range<usize>, mut set: impl FnMut(u
                 mixture::over_the_lobe(pose.normal, uv, emitters)
             };
             let direction = drawn.direction;
-            let origin = sampling::start(pose.position, pose.normal, offset, direction);
+            let origin = sampling::start(pose.position, across, offset, plane::OFF, direction);
             set(
                 ray as usize,
                 Ray {

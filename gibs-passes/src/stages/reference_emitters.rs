@@ -97,7 +97,8 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             if cosine > 0.0 && density > 0.0 {
                 irradiance = radiance * (cosine / (density + cosine * FRAC_1_PI));
                 let geometric = octahedral::unpack(vertex.geometric_normal);
-                let origin = sampling::start(vertex.position, geometric, vertex.offset, direction);
+                let origin =
+                    sampling::start(vertex.position, geometric, vertex.offset, 0.0, direction);
                 ray = Ray {
                     origin,
                     t_min: 0.0,

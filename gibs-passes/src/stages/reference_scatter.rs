@@ -48,7 +48,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             let local = sampling::cosine_hemisphere(hash::unit(first), hash::unit(second));
             let direction = sampling::to_world(local, normal);
             let geometric = octahedral::unpack(vertex.geometric_normal);
-            let origin = sampling::start(vertex.position, geometric, vertex.offset, direction);
+            let origin = sampling::start(vertex.position, geometric, vertex.offset, 0.0, direction);
             ray = Ray {
                 origin,
                 t_min: 0.0,

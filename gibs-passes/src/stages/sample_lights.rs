@@ -113,7 +113,7 @@ pub fn sample_each(
             let (unshadowed, to, distance) = unshadowed(&lights[index as usize], point.position, n);
             if unshadowed.max_element() > 0.0 {
                 let geometric = octahedral::unpack(point.geometric_normal);
-                let origin = sampling::start(point.position, geometric, point.offset, to);
+                let origin = sampling::start(point.position, geometric, point.offset, 0.0, to);
                 ray = Ray {
                     origin,
                     t_min: 0.0,

@@ -180,10 +180,10 @@ twin! {
     bound EXACT,
 }
 twin! {
-    ray_start ["sampling::sampling_start"], (position: Vec3, n: Vec3, offset: f32, direction: Vec3) -> Vec3,
-    wgsl "sampling_start(position, n, offset, direction)",
-    rust sampling::start(position, n, offset, direction),
-    draw |d| (d.vector(-10, 14), d.direction(), d.magnitude(-40, 0), d.direction()),
+    ray_start ["sampling::sampling_start"], (position: Vec3, n: Vec3, offset: f32, below: f32, direction: Vec3) -> Vec3,
+    wgsl "sampling_start(position, n, offset, below, direction)",
+    rust sampling::start(position, n, offset, below, direction),
+    draw |d| (d.vector(-10, 14), d.direction(), d.magnitude(-40, 0), d.one_of(&[0.0, 0.5]), d.direction()),
     bound ROUNDED,
 }
 

@@ -4,6 +4,7 @@ use super::inputs::Draw;
 use super::surfaces::point;
 use gibs_graph::glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
 use gibs_passes::data::{Camera, DebugPixel, Gathered, HostGbuffer, SurfacePoint};
+use gibs_passes::shared::surface::MISS;
 use gibs_passes::shared::{debug, gbuffer, lookup, octahedral, upsample};
 
 /// A camera that looks anywhere.
@@ -128,6 +129,27 @@ twin! {
     draw |d| (d.below(1 << 30), d.below(4), d.below(65_537)),
     bound EXACT,
 }
+/// Of a picture of 9x7 pixels what each sees, and whether it was selected.
+fn picture() -> (Vec<SurfacePoint>, Vec<u32>) {
+    let pixel = |i: u32| {
+        let mut d = Draw::of(i);
+        (d.one_of(&[point(&mut Draw::of(i), None), MISS]), d.flag())
+    };
+    (0..63).map(pixel).unzip()
+}
+twin! {
+    is_open ["between::between_is_open"], (at: UVec2) -> u32,
+    wgsl "camera.width = 9u; camera.height = 7u; return u32(between_is_open(at));",
+    rust u32::from(upsample::is_open(points, selected, at, UVec2::new(9, 7))),
+    draw |d| (UVec2::new(d.below(11), d.below(9)),),
+    bound EXACT,
+    uses ["types::Camera"],
+    text "var<private> camera: Camera;",
+    globals {
+        points: SurfacePoint = super::picture().0,
+        selected: u32 = super::picture().1,
+    },
+}
 twin! {
     tolerance ["upsample::upsample_tolerance"], (point: SurfacePoint, camera: Camera) -> f32,
     wgsl "upsample_tolerance(point, camera)",
@@ -206,6 +228,7 @@ twins!(
     around,
     block_of,
     pixel_in,
+    is_open,
     tolerance,
     continuous,
     complete,

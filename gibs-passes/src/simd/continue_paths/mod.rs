@@ -72,7 +72,13 @@ fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
     let third = pcg(second);
     let drawn = over_the_lobe(&unpack(shading), unit(first), unit(second));
     let [dx, dy, dz] = drawn.direction;
-    let [x, y, z] = start(&[x, y, z], &unpack(geometric), offset, &drawn.direction);
+    let [x, y, z] = start(
+        &[x, y, z],
+        &unpack(geometric),
+        offset,
+        0.0,
+        &drawn.direction,
+    );
     let mut rays = [Ray::zeroed(); 8];
     let far = _mm256_set1_ps(f32::MAX);
     store_rows(

@@ -8,9 +8,10 @@ use std::arch::x86_64::*;
 use std::ops::Range;
 
 use super::Avx2;
-use super::directions::{over_the_lobe, start};
+use super::directions::{normalized, over_the_lobe, start};
 use super::hashes::{hash2, hash3, unit};
 use super::lanes::{columns, loaded_words, store_rows};
+use super::lookup::poses::planes;
 use crate::data::{Path, Ray};
 use crate::shared::sampling::R2_STEPS;
 use crate::shared::{lengths, mark, plane, requests};
@@ -103,10 +104,11 @@ impl Batch {
             let steps = _mm256_mullo_epi32(index, word(R2_STEPS[axis]));
             unit(_mm256_add_epi32(steps, shift))
         };
+        let across = normalized(&planes(marks));
         let drawn = over_the_lobe(&normal, along(0), along(1));
         let [dx, dy, dz] = drawn.direction;
         let offset = _mm256_castsi256_ps(loaded_words(&offset));
-        let [x, y, z] = start(&position, &normal, offset, &drawn.direction);
+        let [x, y, z] = start(&position, &across, offset, plane::OFF, &drawn.direction);
         let mut rays = [Ray::zeroed(); 8];
         store_rows(
             &mut rays,

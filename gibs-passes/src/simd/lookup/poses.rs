@@ -99,25 +99,11 @@ impl Poses {
         !_mm256_movemask_ps(self.mark) as u32 & 0xff
     }
 
-    /// Normals of their planes: [`crate::shared::plane::unpack`].
+    /// Normals of their planes.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     pub fn across(&self) -> Lanes3 {
-        let (bits, low) = (_mm256_castps_si256(self.mark), _mm256_set1_epi32(0xff));
-        let (steps, zero) = (_mm256_set1_ps(STEPS), _mm256_setzero_ps());
-        let step = |word| _mm256_sub_ps(_mm256_cvtepi32_ps(_mm256_and_si256(word, low)), steps);
-        let (x, y) = (step(bits), step(_mm256_srli_epi32::<8>(bits)));
-        let z = _mm256_sub_ps(_mm256_sub_ps(steps, magnitude(x)), magnitude(y));
-        let below = positive(_mm256_sub_ps(zero, z));
-        // Towards zero, as far as the sign says: a step of zero has none.
-        let folded = |c| {
-            _mm256_sub_ps(
-                c,
-                _mm256_or_ps(below, _mm256_and_ps(c, _mm256_set1_ps(-0.0))),
-            )
-        };
-        let step = _mm256_set1_ps(STEP);
-        [folded(x), folded(y), z].map(|c| _mm256_mul_ps(c, step))
+        planes(self.mark)
     }
 
     /// From each surfel to a point.
@@ -219,6 +205,27 @@ impl Poses {
         let share = chebyshev(&m, t);
         _mm256_blendv_ps(share, _mm256_set1_ps(1.0), touching)
     }
+}
+
+/// Normals of the planes in eight marks: [`crate::shared::plane::unpack`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub fn planes(marks: __m256) -> Lanes3 {
+    let (bits, low) = (_mm256_castps_si256(marks), _mm256_set1_epi32(0xff));
+    let (steps, zero) = (_mm256_set1_ps(STEPS), _mm256_setzero_ps());
+    let step = |word| _mm256_sub_ps(_mm256_cvtepi32_ps(_mm256_and_si256(word, low)), steps);
+    let (x, y) = (step(bits), step(_mm256_srli_epi32::<8>(bits)));
+    let z = _mm256_sub_ps(_mm256_sub_ps(steps, magnitude(x)), magnitude(y));
+    let below = positive(_mm256_sub_ps(zero, z));
+    // Towards zero, as far as the sign says: a step of zero has none.
+    let folded = |c| {
+        _mm256_sub_ps(
+            c,
+            _mm256_or_ps(below, _mm256_and_ps(c, _mm256_set1_ps(-0.0))),
+        )
+    };
+    let step = _mm256_set1_ps(STEP);
+    [folded(x), folded(y), z].map(|c| _mm256_mul_ps(c, step))
 }
 
 /// [`depth::depth_moments`] in a direction that is clamped to the hemisphere first.

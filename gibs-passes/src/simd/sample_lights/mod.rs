@@ -94,7 +94,7 @@ fn sample_wide(
         let some = _mm256_or_ps(_mm256_or_ps(shines(r), shines(g)), shines(b));
         let lit = _mm256_and_ps(_mm256_and_ps(surface, chosen), some);
         let or_zero = |c| _mm256_and_ps(c, lit);
-        let [x, y, z] = start(&position, &unpack(geometric), offset, &to).map(or_zero);
+        let [x, y, z] = start(&position, &unpack(geometric), offset, 0.0, &to).map(or_zero);
         let up = _mm256_blendv_ps(_mm256_set1_ps(1.0), to[2], lit);
         let t_max = or_zero(_mm256_mul_ps(distance, _mm256_set1_ps(REACH)));
         store_rows(
