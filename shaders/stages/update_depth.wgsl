@@ -64,11 +64,11 @@ fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     depths[texel] = lookup_pack_moments(max(learned, vec2<f32>(0.0, LOOKUP_MOMENT_SCALE)));
 }
 
-/// The least mean distance, in steps, that a ray has found beside a texel: a quarter of the side away, rows and columns together; that of
+/// The least mean distance, in steps, that a ray has found beside a texel: a sixteenth of the texels' number away, rows and columns together; that of
 /// the radius at most.
 fn nearest_beside(surfel: u32, row: u32, column: u32) -> u32 {
     let side = settings.depth_side;
-    let reach = max(side / 4u, 1u);
+    let reach = max(side * side / 16u, 1u);
     var nearest = LOOKUP_RADIUS_STEPS;
     for (var y = row - min(row, reach); y <= min(row + reach, side - 1u); y++) {
         let along = reach - (max(y, row) - min(y, row));

@@ -211,8 +211,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             serde_json::to_string_pretty(&summary).unwrap_or_default()
         );
     } else {
+        let then = match summary.seconds_per_frame {
+            Some(seconds) => format!(", then {:.1} ms each", seconds * 1e3),
+            None => String::new(),
+        };
         say!(
-            "{} on {} ({}): {} frames of {}x{}, first after {:.2} s, then {:.1} ms each; {} surfels, {:.0} MB; wrote {}",
+            "{} on {} ({}): {} frames of {}x{}, first after {:.2} s{then}; {} surfels, {:.0} MB; wrote {}",
             args.scene.scene,
             summary.backend,
             summary.device,
@@ -220,7 +224,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             summary.size[0],
             summary.size[1],
             summary.seconds_to_first_frame,
-            seconds_per_frame * 1e3,
             summary.surfels,
             summary.bytes as f64 / 1e6,
             summary.out.display()

@@ -165,7 +165,7 @@ fn an_albedo_above_one_is_clamped_with_a_warning() {
 #[test]
 fn normals_that_are_none_are_replaced_with_a_warning() {
     let expected = repaired(&|_, _| (), &[]);
-    let warning = ["2 normals of no length replaced", "mesh 0 \"wall\""];
+    let warning = ["2 normals of no usable length", "mesh 0 \"wall\""];
     let broken = |s: &mut Scene, _: &mut View| {
         (s.meshes[0].normals[0], s.meshes[0].normals[2]) = (Vec3::NAN, Vec3::ZERO);
     };

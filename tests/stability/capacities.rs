@@ -9,11 +9,11 @@ use gibs::view::View;
 use gibs::{Renderer, builtin};
 use std::f64::consts::PI;
 
-/// 8 slots and 8 entries of cells' lists where thousands are wanted, one surfel to a lookup, one ray, paths of one segment,
+/// 4 slots and 4 entries of cells' lists where thousands are wanted, one surfel to a lookup, one ray, paths of one segment,
 /// births at hits.
 fn starved() -> Settings {
     Settings {
-        surfels: 8,
+        surfels: 4,
         grid_lists: 1,
         lookup: 1,
         rays: 1,

@@ -260,7 +260,7 @@ fn flat_triangles_are_dropped() {
 #[test]
 fn normals_without_length_become_the_triangles_own() {
     let broken = |s: &mut Scene| s.meshes[0].normals = vec![Vec3::ZERO, Vec3::NAN, Vec3::X * 3.0];
-    let scene = repaired(broken, "2 normals of no length");
+    let scene = repaired(broken, "2 normals of no usable length");
     assert_eq!(scene.meshes[0].normals, [Vec3::Z, Vec3::Z, Vec3::X]);
 }
 

@@ -42,7 +42,7 @@ pub(super) fn meshes(
             |b| b.normals,
             "normal",
             "normals",
-            "of no length replaced by the triangles' own",
+            "of no usable length (zero, next to it, beyond f32 or no number) replaced by the triangles' own",
         ),
         (
             |b| b.uvs,
