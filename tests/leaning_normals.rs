@@ -90,8 +90,8 @@ fn surfels_are_as_many_as_on_upright_normals() {
 
 /// A square whose normals lean by 40 degrees: of the rays about those a ninth go below it, and meet nothing there. So under a sky of 1
 /// E is pi, and if it shines by 1 itself in the dark, nothing. What goes below by no more than [`OFF`] may meet the square from above:
-/// `2 sin(40 deg) / pi` of the lobe for each radian, 0.7 %, and a third of that for chance. Rays that all began above it
-/// would have 4 % too little, and a ninth of pi.
+/// `2 sin(40 deg) / pi` of the lobe for each radian, 0.7 %, and a third of that for chance and for light that comes back to it. Rays that all began above it
+/// would have 6 % too little, and a ninth of pi.
 #[test]
 fn rays_that_go_below_a_surface_do_not_meet_it() {
     let lean = 40.0f32.to_radians();

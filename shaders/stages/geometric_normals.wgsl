@@ -31,7 +31,7 @@ fn neighbour(at: vec2<u32>, z: f32, dx: i32, dy: i32) -> Neighbour {
     return Neighbour(gbuffer_position(place, found, camera, host), abs(behind - here), true);
 }
 
-/// Share of the way to a neighbour, up to which depths may be off for the normal between them to count.
+/// Most that a point's offset may be over the way to a neighbour for the normal between the two to count.
 const CERTAIN: f32 = 0.125;
 
 /// The way to the nearer of two neighbours, along the positive axis.

@@ -40,7 +40,8 @@ fn place_of(ray: u32) -> u32 {
 /// The distance of a ray into the depth function of its surfel, which has had `samples` before.
 fn update_depth(surfel: u32, ray: u32, pose: SurfelPose, samples: u32) {
     let direction = rays[ray].direction;
-    // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface has met that itself.
+    // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface tells nothing of what
+    // stands on it.
     if rays[ray].t_max <= 0.0 || vector_dot(direction, plane_unpack(pose.mark)) < 0.0 {
         return;
     }

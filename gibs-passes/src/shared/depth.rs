@@ -168,7 +168,7 @@ pub fn rescaled(texel: u32, shrinks: f32) -> u32 {
     let least = if is_known(texel) { KNOWN.y } else { 0.0 };
     pack_moments(Vec2::new(
         (m.x * shrinks).min(FARTHEST),
-        (m.y * squared).clamp(least, FARTHEST),
+        (m.y * squared).max(least).min(FARTHEST),
     ))
 }
 

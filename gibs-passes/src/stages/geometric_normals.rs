@@ -23,8 +23,8 @@ stage! {
     }
 }
 
-/// Share of the way to a neighbour, up to which depths may be off, which the offset of rays is twice of, for the normal between them
-/// to count: it is off by as many radians at most.
+/// Most that a point's offset, in which twice the step of its depth counts, may be over the way to a neighbour for the normal between
+/// the two to count: that is off by as many radians at most.
 pub const CERTAIN: f32 = 0.125;
 
 /// A point some texels away along one axis, and how much deeper it is; beyond the edge and where nothing was drawn,

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 stage! {
     /// Feeds each ray's distance to the depth function of its surfel (GIBS, "Radial Gaussian Depth"): those that go
-    /// farther than the diameter count as the diameter, and those that go into the surface itself for nothing. What a young
+    /// farther than the diameter count as the diameter, and those that go below the surface for nothing. What a young
     /// surfel's rays have not reached takes the distance of what is close beside it. Where rays were sorted, `places` tells where each went.
     pub stage UpdateDepth {
         wgsl: gibs_shaders::stages::UPDATE_DEPTH,
@@ -131,8 +131,8 @@ pub fn update_each(
             let Ray {
                 direction, t_max, ..
             } = d.rays[ray];
-            // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface, which it does
-            // where the normal leans away from that, has met the surface itself, which hides nothing on it.
+            // One that could not reach the emitter it was drawn for went nowhere; one that goes below the surface, as some do
+            // where the normal leans away from that, tells of what lies behind it, and nothing of what stands on it.
             if t_max <= 0.0 || direction.dot(across) < 0.0 {
                 continue;
             }
@@ -149,7 +149,8 @@ pub fn update_each(
 }
 
 /// Where no ray of a young surfel has been, it takes surfaces to be as close as the closest that it found beside: a sixteenth of
-/// the texels' number away, rows and columns together: one of 4x4, four of 8x8, of which as many rays reach a fourth. With the dozen rays of its first frame most of what hides it from a wall's other side would be open.
+/// the texels' number away, rows and columns together, one of 4x4 and four of 8x8, where as many rays reach a quarter of them.
+/// With the dozen rays of its first frame most of what hides it from a wall's other side would be open.
 fn guess_each(
     d: &Distances<'_>,
     range: Range<usize>,
