@@ -10,12 +10,10 @@ mod wall;
 use common::cpu;
 use gibs::Renderer;
 use gibs::builtin::{SEALED, SealedCase, colonnade};
-use gibs::passes::data::SurfacePoint;
 use gibs::passes::frame::Settings;
-use gibs::passes::shared::surface;
 use gibs::picture::Picture;
 use gibs::reference::{ReferenceOptions, reference};
-use glam::{DVec3, Vec4};
+use glam::DVec3;
 use leak::{Leak, Work, levels, measure};
 
 /// A quarter of the pixels and of the rays of 480x270. The radius of a surfel is fixed by their number, not by that of the
@@ -123,25 +121,9 @@ fn little_light_passes_a_wall_in_the_first_frames() {
     for seed in 0..SEEDS {
         let mut renderer = Renderer::new(cpu().as_ref(), &scene, &view, SIZE, &settings(), seed)
             .expect("compiles");
-        let floor = -renderer.gi().scene().origin.z as f32;
         for leaked in &mut leaked {
             renderer.frame().expect("a frame");
-            let points: Vec<SurfacePoint> = renderer.output("points").expect("points");
-            let irradiance: Vec<Vec4> = renderer.output("irradiance").expect("irradiance");
-            let mean = |right: bool| {
-                let on_floor = |p: &SurfacePoint| {
-                    let is_floor = surface::is_surface(p) && (p.position.z - floor).abs() < 0.01;
-                    is_floor && (p.position.x > 0.0) == right
-                };
-                let seen = points.iter().zip(&irradiance);
-                let side: Vec<f64> = seen
-                    .filter(|(p, _)| on_floor(p))
-                    .map(|(_, e)| f64::from(e.x))
-                    .collect();
-                assert!(side.len() > 8000, "{} pixels", side.len());
-                side.iter().sum::<f64>() / side.len() as f64
-            };
-            *leaked += mean(false) / mean(true) / f64::from(SEEDS);
+            *leaked += wall::leaked(&mut renderer, 0.1) / f64::from(SEEDS);
         }
     }
     println!("of the light beside it, in frames 1 to 4: {leaked:.5?}");

@@ -132,6 +132,7 @@ fn simd(options: Options) -> &'static str {
         && std::arch::is_x86_feature_detected!("bmi1")
         && std::arch::is_x86_feature_detected!("bmi2")
         && std::arch::is_x86_feature_detected!("lzcnt")
+        && std::arch::is_x86_feature_detected!("popcnt")
     {
         return "8-wide kernels (AVX2)";
     }

@@ -26,7 +26,7 @@ const SHARING_OWN_PART: f32 = 0.5;
 /// Age, in frames, from which on a surfel asks only once in a period.
 const SHARING_FRESH: u32 = 16u;
 /// Frames from one time that a surfel asks to the next.
-const SHARING_PERIOD: u32 = 4u;
+const SHARING_PERIOD: u32 = 8u;
 /// Surfels that ask in the same frames.
 const SHARING_TOGETHER: u32 = 64u;
 /// Steps of a packed trust.

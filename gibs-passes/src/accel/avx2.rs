@@ -40,7 +40,7 @@ mod x86 {
         }
 
         #[inline]
-        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn load(self, node: &WideNode) -> __m256 {
             // SAFETY: the offset leaves eight of the 48 floats, as `new` makes it; the load needs no alignment.
             unsafe { _mm256_loadu_ps(node.planes.as_ptr().cast::<f32>().add(self.0)) }
@@ -73,7 +73,7 @@ mod x86 {
         }
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn closest<F: Fn(u32, u32, f32, f32) -> bool>(
         kernel: Avx2,
         view: &WideView,
@@ -84,7 +84,7 @@ mod x86 {
         walk::closest(kernel, view, ray, stack, filter)
     }
 
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn any<F: Fn(u32, u32, f32, f32) -> bool>(
         kernel: Avx2,
         view: &WideView,
@@ -127,7 +127,7 @@ mod x86 {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn all(v: glam::Vec3) -> Lanes3 {
         [
             _mm256_set1_ps(v.x),
@@ -137,7 +137,7 @@ mod x86 {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn prepare(ray: &BoxRay, t_min: f32) -> Avx2Ray {
         // The fused test computes `x * inverse - offset`; against the scalar `(x - origin) * inverse` it errs by half
         // an ulp of the offset and a few of the result. The latter the callers' limits and FAR_SCALE cover.
@@ -165,14 +165,14 @@ mod x86 {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn load(lanes: &[f32; 8]) -> __m256 {
         // SAFETY: the load reads the eight floats of the array and needs no alignment.
         unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn boxes(ray: &Avx2Ray, node: &WideNode, limit: f32) -> (u32, [f32; 8]) {
         // `max` and `min` return their second operand where the first is not a number.
         let near = |axis: usize| {
@@ -198,7 +198,7 @@ mod x86 {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn cross(a: &Lanes3, b: &Lanes3) -> Lanes3 {
         let difference =
             |a0, b0, a1, b1| _mm256_sub_ps(_mm256_mul_ps(a0, b0), _mm256_mul_ps(a1, b1));
@@ -210,7 +210,7 @@ mod x86 {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
         let xy = _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1]));
         _mm256_add_ps(xy, _mm256_mul_ps(a[2], b[2]))
@@ -218,7 +218,7 @@ mod x86 {
 
     /// [`super::super::intersect::intersect_triangle`], operation for operation.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn triangles(ray: &Avx2Ray, packet: &WidePacket, limit: f32) -> u32 {
         let (zero, minus) = (_mm256_setzero_ps(), _mm256_set1_ps(-0.0));
         let e1 = [

@@ -99,7 +99,7 @@ impl Default for Settings {
             hit_births: 0,
             geometric_normals: false,
             grid_side: 0,
-            grid_reach: 400.0,
+            grid_reach: 128.0,
             grid_lists: 8,
             grid_half: 1.0 / 64.0,
             queries: 0,

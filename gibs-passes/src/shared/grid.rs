@@ -117,12 +117,14 @@ pub struct Span {
 pub const PARTS: u32 = 7;
 
 /// What a surfel reaches is taken this much larger when its cells are found, so that rounding leaves none out.
-const MARGIN: f32 = 1.001;
+pub const MARGIN: f32 = 1.001;
+
+/// How much less a surfel reaches along its normal than across, in squares.
+pub const FLAT: f32 = 1.0 - 1.0 / (lookup::SQUASH * lookup::SQUASH);
 
 /// How far a surfel reaches along each axis, metres: the box around the flat ellipsoid outside which it has no weight.
 #[inline]
 pub fn extents(pose: &SurfelPose) -> Vec3 {
-    const FLAT: f32 = 1.0 - 1.0 / (lookup::SQUASH * lookup::SQUASH);
     let normal = plane::unpack(pose.mark);
     let flat = normal * FLAT * normal / normal.dot(normal);
     let across = (Vec3::ONE - flat).max(Vec3::ZERO);
@@ -202,34 +204,58 @@ pub fn overlapped(pose: &SurfelPose, grid: &GridShape, mut each: impl FnMut(u32)
     }
 }
 
-/// Calls `each` with surfels and cells that they overlap, as [`overlapped`] does, for those of `surfels`; `soon` hears of each
-/// cell well before.
+/// Calls `each` with surfels and cells that they overlap, as [`overlapped`] does, for those of `surfels` that live.
 #[inline(always)]
 pub fn overlapped_by(
     surfels: impl Iterator<Item = usize>,
     poses: &[SurfelPose],
     grid: &GridShape,
-    soon: impl Fn(usize),
-    mut each: impl FnMut(u32, usize),
+    mut each: impl FnMut(u32, u32),
 ) {
-    const ROOM: usize = 256;
-    let (mut pairs, mut count) = ([(0, 0); ROOM], 0);
-    for i in surfels {
-        if poses[i].radius > 0.0 {
-            overlapped(&poses[i], grid, |cell| {
-                if count == ROOM {
-                    pairs.iter().for_each(|&(id, cell)| each(id, cell as usize));
-                    count = 0;
-                }
-                pairs[count] = (i as u32, cell);
-                count += 1;
-                soon(cell as usize);
-            });
+    for i in surfels.filter(|&i| poses[i].radius > 0.0) {
+        overlapped(&poses[i], grid, |cell| each(i as u32, cell));
+    }
+}
+
+/// Pairs of surfel and cell on their way to `each`; `soon` hears of each cell well before.
+pub struct Pairs<S, E> {
+    soon: S,
+    each: E,
+    waiting: [(u32, u32); 256],
+    count: usize,
+}
+
+impl<S: Fn(usize), E: FnMut(u32, usize)> Pairs<S, E> {
+    /// None yet.
+    #[inline(always)]
+    pub fn new(soon: S, each: E) -> Self {
+        Self {
+            soon,
+            each,
+            waiting: [(0, 0); 256],
+            count: 0,
         }
     }
-    pairs[..count]
-        .iter()
-        .for_each(|&(id, cell)| each(id, cell as usize));
+
+    /// One more.
+    #[inline(always)]
+    pub fn push(&mut self, id: u32, cell: u32) {
+        if self.count == self.waiting.len() {
+            self.finish();
+        }
+        self.waiting[self.count] = (id, cell);
+        self.count += 1;
+        (self.soon)(cell as usize);
+    }
+
+    /// Those that wait.
+    #[inline(always)]
+    pub fn finish(&mut self) {
+        for &(id, cell) in &self.waiting[..self.count] {
+            (self.each)(id, cell as usize);
+        }
+        self.count = 0;
+    }
 }
 
 #[cfg(test)]

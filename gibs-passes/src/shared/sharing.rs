@@ -52,7 +52,7 @@ pub const OWN_PART: f32 = 0.5;
 pub const FRESH: u32 = 16;
 
 /// Frames from one time that a surfel asks to the next.
-pub const PERIOD: u32 = 4;
+pub const PERIOD: u32 = 8;
 
 /// Surfels that ask in the same frames: a workgroup of them, so that those that wait do not keep others waiting.
 pub const TOGETHER: u32 = 64;
@@ -145,13 +145,18 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
 /// holds.
 #[inline]
-pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
+pub fn is_due(
+    surfel: u32,
+    state: &SurfelIrradiance,
+    forget: impl FnOnce() -> f32,
+    frame: u32,
+) -> bool {
     state.samples == 0
-        || forget > 0.0
         || frame.wrapping_sub(state.since) < FRESH
         || (surfel / TOGETHER)
             .wrapping_add(frame)
             .is_multiple_of(PERIOD)
+        || forget() > 0.0
 }
 
 /// Sums over the neighbours of a surfel, itself among them.

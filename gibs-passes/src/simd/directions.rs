@@ -5,7 +5,7 @@ use super::lanes::{Lanes3, difference, dot, either, magnitude, negated, positive
 
 /// `Vec3::normalize`.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn normalized(v: &Lanes3) -> Lanes3 {
     let length = _mm256_sqrt_ps(dot(v, v));
     scaled(v, _mm256_div_ps(_mm256_set1_ps(1.0), length))
@@ -13,7 +13,7 @@ pub fn normalized(v: &Lanes3) -> Lanes3 {
 
 /// What an octahedral map makes of the lower half.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn folded(p: &[__m256; 2], z: __m256) -> [__m256; 2] {
     let one = _mm256_set1_ps(1.0);
     let over = |along, across| {
@@ -30,7 +30,7 @@ fn folded(p: &[__m256; 2], z: __m256) -> [__m256; 2] {
 
 /// [`crate::shared::octahedral::pack`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn pack(n: &Lanes3) -> __m256i {
     let total = _mm256_add_ps(
         _mm256_add_ps(magnitude(n[0]), magnitude(n[1])),
@@ -52,7 +52,7 @@ pub fn pack(n: &Lanes3) -> __m256i {
 
 /// [`crate::shared::octahedral::unpack`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn unpack(bits: __m256) -> Lanes3 {
     let bits = _mm256_castps_si256(bits);
     let (one, two) = (_mm256_set1_ps(1.0), _mm256_set1_ps(2.0));
@@ -71,7 +71,7 @@ pub fn unpack(bits: __m256) -> Lanes3 {
 
 /// [`crate::shared::octahedral::hemisphere_encode`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn hemisphere(d: &Lanes3) -> [__m256; 2] {
     let half = _mm256_set1_ps(0.5);
     let sum = _mm256_add_ps(_mm256_add_ps(magnitude(d[0]), magnitude(d[1])), d[2]);
@@ -84,7 +84,7 @@ pub fn hemisphere(d: &Lanes3) -> [__m256; 2] {
 
 /// [`crate::shared::sampling::basis`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn basis(n: &Lanes3) -> [Lanes3; 2] {
     let one = _mm256_set1_ps(1.0);
     let up = _mm256_cmp_ps::<_CMP_GE_OQ>(n[2], _mm256_setzero_ps());
@@ -107,7 +107,7 @@ fn basis(n: &Lanes3) -> [Lanes3; 2] {
 
 /// [`crate::shared::sampling::to_local`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
     let [tangent, bitangent] = basis(n);
     [dot(world, &tangent), dot(world, &bitangent), dot(world, n)]
@@ -115,7 +115,7 @@ pub fn to_local(world: &Lanes3, n: &Lanes3) -> Lanes3 {
 
 /// [`crate::shared::sampling::to_world`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
     let [tangent, bitangent] = basis(n);
     let flat = sum(&scaled(&tangent, local[0]), &scaled(&bitangent, local[1]));
@@ -124,7 +124,7 @@ fn to_world(local: &Lanes3, n: &Lanes3) -> Lanes3 {
 
 /// [`crate::shared::sampling::cosine_hemisphere`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn cosine_hemisphere(u: __m256, v: __m256) -> Lanes3 {
     let radius = _mm256_sqrt_ps(u);
     let [sin, cos] = sin_cos_turns(v);
@@ -148,7 +148,7 @@ pub struct Drawn {
 
 /// [`crate::shared::mixture::over_the_lobe`], in a scene without emitters.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn over_the_lobe(normal: &Lanes3, u: __m256, v: __m256) -> Drawn {
     let local = cosine_hemisphere(u, v);
     let per_cosine = _mm256_set1_ps(std::f32::consts::FRAC_1_PI);
@@ -161,7 +161,7 @@ pub fn over_the_lobe(normal: &Lanes3, u: __m256, v: __m256) -> Drawn {
 
 /// [`crate::shared::portable::sin_cos_turns`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn sin_cos_turns(turns: __m256) -> [__m256; 2] {
     let in_quarters = _mm256_mul_ps(_mm256_set1_ps(4.0), turns);
     let quarters = _mm256_floor_ps(_mm256_add_ps(in_quarters, _mm256_set1_ps(0.5)));
@@ -198,7 +198,7 @@ fn sin_cos_turns(turns: __m256) -> [__m256; 2] {
 
 /// [`crate::shared::sampling::start`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn start(
     position: &Lanes3,
     n: &Lanes3,

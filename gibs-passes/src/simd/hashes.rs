@@ -3,14 +3,14 @@ use std::arch::x86_64::*;
 
 /// [`crate::shared::hash::hash3`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn hash3(a: __m256i, b: __m256i, c: __m256i) -> __m256i {
     hash2(a, hash2(b, c))
 }
 
 /// [`crate::shared::hash::pcg`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn pcg(value: __m256i) -> __m256i {
     let state = _mm256_add_epi32(
         _mm256_mullo_epi32(value, _mm256_set1_epi32(747_796_405)),
@@ -26,14 +26,14 @@ pub fn pcg(value: __m256i) -> __m256i {
 
 /// [`crate::shared::hash::hash2`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn hash2(a: __m256i, b: __m256i) -> __m256i {
     pcg(_mm256_add_epi32(a, pcg(b)))
 }
 
 /// [`crate::shared::hash::unit`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn unit(bits: __m256i) -> __m256 {
     _mm256_mul_ps(
         _mm256_cvtepi32_ps(_mm256_srli_epi32::<8>(bits)),

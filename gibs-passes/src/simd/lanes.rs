@@ -10,7 +10,7 @@ pub type Lanes3 = [__m256; 3];
 
 /// One vector, eight times.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn all(v: Vec3) -> Lanes3 {
     [
         _mm256_set1_ps(v.x),
@@ -21,7 +21,7 @@ pub fn all(v: Vec3) -> Lanes3 {
 
 /// Eight dot products.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
     let xy = _mm256_add_ps(_mm256_mul_ps(a[0], b[0]), _mm256_mul_ps(a[1], b[1]));
     _mm256_add_ps(xy, _mm256_mul_ps(a[2], b[2]))
@@ -29,21 +29,21 @@ pub fn dot(a: &Lanes3, b: &Lanes3) -> __m256 {
 
 /// The number, or zero where it is negative or none.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn positive(x: __m256) -> __m256 {
     _mm256_max_ps(x, _mm256_setzero_ps())
 }
 
 /// The number with the other sign.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn negated(x: __m256) -> __m256 {
     _mm256_xor_ps(x, _mm256_set1_ps(-0.0))
 }
 
 /// The lanes, in order.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn stored(x: __m256) -> [f32; 8] {
     let mut lanes = [0.0; 8];
     // SAFETY: the store writes the eight floats of the array and needs no alignment.
@@ -53,7 +53,7 @@ pub fn stored(x: __m256) -> [f32; 8] {
 
 /// The whole numbers of the lanes, in order.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn stored_words(x: __m256i) -> [u32; 8] {
     let mut lanes = [0; 8];
     // SAFETY: the store writes the eight words of the array and needs no alignment.
@@ -72,14 +72,14 @@ pub fn for_lanes(mut mask: u32, mut each: impl FnMut(usize)) {
 
 /// The bits of a mask, or zero.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn selected(mask: __m256, bits: u32) -> __m256i {
     _mm256_and_si256(_mm256_castps_si256(mask), _mm256_set1_epi32(bits as i32))
 }
 
 /// Lanes in which a word has any of some bits.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn has_any(words: __m256i, bits: u32) -> __m256 {
     let found = _mm256_and_si256(words, _mm256_set1_epi32(bits as i32));
     let none = _mm256_cmpeq_epi32(found, _mm256_setzero_si256());
@@ -88,21 +88,21 @@ pub fn has_any(words: __m256i, bits: u32) -> __m256 {
 
 /// Lanes in which a word is another.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn is_word(words: __m256i, word: u32) -> __m256 {
     _mm256_castsi256_ps(_mm256_cmpeq_epi32(words, _mm256_set1_epi32(word as i32)))
 }
 
 /// The other lanes.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn inverted(mask: __m256) -> __m256 {
     _mm256_xor_ps(mask, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
 }
 
 /// Each vector times a number.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn scaled(v: &Lanes3, k: __m256) -> Lanes3 {
     [
         _mm256_mul_ps(v[0], k),
@@ -113,7 +113,7 @@ pub fn scaled(v: &Lanes3, k: __m256) -> Lanes3 {
 
 /// Each vector plus another.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn sum(a: &Lanes3, b: &Lanes3) -> Lanes3 {
     [
         _mm256_add_ps(a[0], b[0]),
@@ -124,7 +124,7 @@ pub fn sum(a: &Lanes3, b: &Lanes3) -> Lanes3 {
 
 /// Each vector less another.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn difference(a: &Lanes3, b: &Lanes3) -> Lanes3 {
     [
         _mm256_sub_ps(a[0], b[0]),
@@ -135,7 +135,7 @@ pub fn difference(a: &Lanes3, b: &Lanes3) -> Lanes3 {
 
 /// Each vector over a number.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn divided(v: &Lanes3, k: __m256) -> Lanes3 {
     [
         _mm256_div_ps(v[0], k),
@@ -146,21 +146,30 @@ pub fn divided(v: &Lanes3, k: __m256) -> Lanes3 {
 
 /// Each vector with the magnitudes of its coordinates.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn magnitudes(v: &Lanes3) -> Lanes3 {
     [magnitude(v[0]), magnitude(v[1]), magnitude(v[2])]
 }
 
 /// The number without its sign.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn magnitude(x: __m256) -> __m256 {
     _mm256_andnot_ps(_mm256_set1_ps(-0.0), x)
 }
 
+/// `f32::max`: the other one where one is not a number.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn larger(a: __m256, b: __m256) -> __m256 {
+    let unordered = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, a);
+    // The instruction gives its second operand where either is not a number.
+    _mm256_blendv_ps(_mm256_max_ps(b, a), b, unordered)
+}
+
 /// `chosen` in the lanes of a mask, elsewhere `other`.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn either(mask: __m256, chosen: &Lanes3, other: &Lanes3) -> Lanes3 {
     [
         _mm256_blendv_ps(other[0], chosen[0], mask),
@@ -171,7 +180,7 @@ pub fn either(mask: __m256, chosen: &Lanes3, other: &Lanes3) -> Lanes3 {
 
 /// Each vector, turned around in the lanes of a mask.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn turned(v: &Lanes3, mask: __m256) -> Lanes3 {
     let sign = _mm256_and_ps(mask, _mm256_set1_ps(-0.0));
     [
@@ -184,7 +193,7 @@ pub fn turned(v: &Lanes3, mask: __m256) -> Lanes3 {
 /// Rows of four words to columns of eight lanes, or the other way round: the halves of register `i` are rows `i` and
 /// `i + 4`.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn transposed(r: &[__m256; 4]) -> [__m256; 4] {
     let (a0, a1) = (
         _mm256_unpacklo_ps(r[0], r[1]),
@@ -204,7 +213,7 @@ pub fn transposed(r: &[__m256; 4]) -> [__m256; 4] {
 
 /// Words `FIRST..FIRST + 4` of eight elements, in columns.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn columns<const FIRST: usize, T: Pod>(elements: &[&T; 8]) -> [__m256; 4] {
     const { assert!((FIRST + 4) * size_of::<f32>() <= size_of::<T>()) };
     let row = |lane: usize| {
@@ -221,9 +230,24 @@ pub fn columns<const FIRST: usize, T: Pod>(elements: &[&T; 8]) -> [__m256; 4] {
     ])
 }
 
+/// [`columns`] of elements of which all are the first where `same` says so. Most scenes have few instances, of which neighbours hit the same.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn columns_where<const FIRST: usize, T: Pod>(elements: &[&T; 8], same: bool) -> [__m256; 4] {
+    const { assert!((FIRST + 4) * size_of::<f32>() <= size_of::<T>()) };
+    if !same {
+        return columns::<FIRST, T>(elements);
+    }
+    let start = std::ptr::from_ref(elements[0]).cast::<f32>();
+    std::array::from_fn(|i| {
+        // SAFETY: the word lies within the element, as asserted, and plain data has no padding.
+        _mm256_set1_ps(unsafe { start.add(FIRST + (i & 3)).read_unaligned() })
+    })
+}
+
 /// Inverse of [`columns`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn store_columns<const FIRST: usize, T: Pod>(elements: &mut [T; 8], columns: &[__m256; 4]) {
     const { assert!((FIRST + 4) * size_of::<f32>() <= size_of::<T>()) };
     let rows = transposed(columns);
@@ -241,7 +265,7 @@ pub fn store_columns<const FIRST: usize, T: Pod>(elements: &mut [T; 8], columns:
 
 /// Elements of eight words, from their columns: each is written at once, so that it may be read at once soon after.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn store_rows<T: Pod>(elements: &mut [T; 8], low: &[__m256; 4], high: &[__m256; 4]) {
     const { assert!(size_of::<T>() == 8 * size_of::<f32>()) };
     let start = elements.as_mut_ptr();
@@ -259,7 +283,7 @@ pub fn store_rows<T: Pod>(elements: &mut [T; 8], low: &[__m256; 4], high: &[__m2
 
 /// Inverse of [`stored`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn loaded(lanes: &[f32; 8]) -> __m256 {
     // SAFETY: the load reads the eight floats of the array and needs no alignment.
     unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
@@ -267,7 +291,7 @@ pub fn loaded(lanes: &[f32; 8]) -> __m256 {
 
 /// Inverse of [`stored_words`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn loaded_words(lanes: &[u32; 8]) -> __m256i {
     // SAFETY: the load reads the eight words of the array and needs no alignment.
     unsafe { _mm256_loadu_si256(lanes.as_ptr().cast()) }

@@ -32,6 +32,7 @@ mod tests;
 
 #[cfg(not(target_arch = "x86_64"))]
 pub use {
+    crate::shared::grid::overlapped_by,
     crate::stages::{
         continue_paths::continue_each as continue_paths,
         generate_rays::generate_each as generate_rays, resolve_hits::resolve_each as resolve_hits,
@@ -44,7 +45,7 @@ pub use {
 pub use {
     continue_paths::continue_paths,
     generate_rays::generate_rays,
-    lookup::Lookup,
+    lookup::{Lookup, overlapped_by},
     resolve::resolve_hits,
     sample_lights::sample_lights,
     select_pixels::select_pixels,

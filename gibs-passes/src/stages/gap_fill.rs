@@ -124,33 +124,45 @@ fn fill(
         let point = &p.points[(at.y * size.x + at.x) as usize];
         surface::is_surface(point).then_some(point)
     };
-    // Looks at a pixel of each wanted texel of a row, and wants no more of those that are covered amply.
-    let look = |least: &mut [u32; MOST_PARTS], row: u32, turn: u32, wanted: &mut [bool; SIDE]| {
-        let lane = |column: usize| row * GROUP + column as u32;
-        let point = |column: usize| seen(lane(column), turn).filter(|_| wanted[column]);
-        let points: [_; SIDE] = std::array::from_fn(point);
+    // Looks at pixels of texels, and calls `thin` with the texels that have none there or one that is not covered amply.
+    let mut look = |places: &[(u32, u32)], thin: &mut dyn FnMut(u32)| {
+        let point = |i: usize| places.get(i).and_then(|&(lane, turn)| seen(lane, turn));
+        let points: [_; AT_A_TIME] = std::array::from_fn(point);
         let coverages = coverages(&points, &surfels, p.unseen);
-        for (column, (point, coverage)) in points.iter().zip(coverages).enumerate() {
-            let Some(point) = point else { continue };
+        for ((&(lane, turn), point), coverage) in places.iter().zip(points).zip(coverages) {
             let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
-            wanted[column] = share < 1.0;
-            // What is covered amply bears none anyway.
-            if wanted[column] && surfels.is_full(point.position) {
-                continue;
+            if point.is_none() || share < 1.0 {
+                thin(lane);
             }
-            let lane = lane(column);
+            let Some(point) = point else { continue };
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
+            let candidate = (((share * 65_534.0) as u32) << 16) | (tie << 10) | place;
             let least = &mut least[within(lane) as usize];
-            *least = (*least).min((((share * 65_534.0) as u32) << 16) | (tie << 10) | place);
+            // What is covered amply bears none anyway.
+            if candidate < *least && (share == 1.0 || !surfels.is_full(point.position)) {
+                *least = candidate;
+            }
         }
     };
+    // At most 15 are left when a row adds the three other pixels of each of its texels: a texel is one pixel wide, or two.
+    let mut waiting = [(0, 0); 4 * AT_A_TIME];
+    let mut count = 0;
     for row in 0..GROUP {
-        let mut wanted = [true; SIDE];
-        look(&mut least, row, 0, &mut wanted);
-        for turn in 1..stride * stride {
-            look(&mut least, row, turn, &mut wanted.clone());
+        let lanes: [_; SIDE] = std::array::from_fn(|column| (row * GROUP + column as u32, 0));
+        look(&lanes, &mut |lane| {
+            for turn in 1..stride * stride {
+                waiting[count] = (lane, turn);
+                count += 1;
+            }
+        });
+        while count >= AT_A_TIME {
+            count -= AT_A_TIME;
+            look(&waiting[count..count + AT_A_TIME], &mut |_| {});
         }
+    }
+    if count > 0 {
+        look(&waiting[..count], &mut |_| {});
     }
     // Where one of the candidates is, a pixel.
     let at = |candidate: u32| {

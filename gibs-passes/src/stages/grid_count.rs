@@ -1,6 +1,6 @@
 //! `persistent/grid_count`: how many surfels each cell lists.
 use crate::data::{GridShape, NONE, SurfelPose};
-use crate::shared::grid;
+use crate::shared::grid::{self, Pairs};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
@@ -22,15 +22,16 @@ stage! {
     }
 }
 
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    count::<false>(p, group);
+}
+
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    count::<true>(p, group);
 }
 
 #[inline(always)]
-fn kernel(p: &Views<'_>, group: Workgroup) {
+fn count<const WIDE: bool>(p: &Views<'_>, group: Workgroup) {
     let claims = p.claims.slice();
     let surfels = match claims {
         [] => p.poses.len(),
@@ -40,13 +41,16 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let id = claims.get(i).map_or(i, |claim| claim.x as usize);
         (id != NONE as usize).then_some(id)
     });
-    grid::overlapped_by(
-        counted,
-        p.poses.slice(),
-        p.grid,
+    let mut pairs = Pairs::new(
         |cell| p.counts.prefetch(cell),
         |_, cell| {
             p.counts.add(cell, 1);
         },
     );
+    let each = |id, cell| pairs.push(id, cell);
+    match WIDE {
+        true => simd::overlapped_by(counted, p.poses.slice(), p.grid, each),
+        false => grid::overlapped_by(counted, p.poses.slice(), p.grid, each),
+    }
+    pairs.finish();
 }

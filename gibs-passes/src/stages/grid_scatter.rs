@@ -1,6 +1,6 @@
 //! `persistent/grid_scatter`: surfels into the lists of their cells.
 use crate::data::{GridShape, SurfelPose};
-use crate::shared::grid;
+use crate::shared::grid::{self, Pairs};
 use crate::simd;
 use gibs_graph::{Comparator, Lists, Ports, Workgroup, stage};
 
@@ -42,19 +42,18 @@ stage! {
     }
 }
 
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    scatter::<false>(p, group);
+}
+
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
-    simd::run(
-        #[inline(always)]
-        || kernel(p, group),
-    );
+    scatter::<true>(p, group);
 }
 
 #[inline(always)]
-fn kernel(p: &Views<'_>, group: Workgroup) {
-    grid::overlapped_by(
-        group.range(p.poses.len() as u32),
-        p.poses.slice(),
-        p.grid,
+fn scatter<const WIDE: bool>(p: &Views<'_>, group: Workgroup) {
+    let surfels = group.range(p.poses.len() as u32);
+    let mut pairs = Pairs::new(
         |cell| {
             p.cursors.prefetch(cell);
             simd::prefetch(p.starts.slice(), cell);
@@ -66,4 +65,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
             }
         },
     );
+    let each = |id, cell| pairs.push(id, cell);
+    match WIDE {
+        true => simd::overlapped_by(surfels, p.poses.slice(), p.grid, each),
+        false => grid::overlapped_by(surfels, p.poses.slice(), p.grid, each),
+    }
+    pairs.finish();
 }

@@ -3,6 +3,7 @@
 use super::resolve_hits::{map_point, map_transposed};
 use crate::data::{Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform};
 use crate::shared::{depth, grid, lengths, mark, octahedral, plane, recycling};
+use crate::simd;
 use gibs_graph::{Workgroup, stage};
 use glam::Vec3;
 
@@ -27,7 +28,7 @@ stage! {
             optional_read_write depths: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(|p, group| simd::run(#[inline(always)] || kernel(p, group))),
     }
 }
 
@@ -60,6 +61,7 @@ pub fn radius_at(
     wanted.min(clearance.max(LEAST_SHARE * wanted))
 }
 
+#[inline(always)]
 fn kernel(p: &Views<'_>, group: Workgroup) {
     let texels = depth::count(p.settings.depth_side);
     for i in group.range(p.poses.len() as u32) {

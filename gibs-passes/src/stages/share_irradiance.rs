@@ -74,7 +74,7 @@ fn share(
     let is_due = |i: usize| {
         let pose = &p.poses[i];
         let share = || p.forget[grid::cell(pose.position, p.grid) as usize].x;
-        pose.radius > 0.0 && sharing::is_due(i as u32, &states[i], share(), number)
+        pose.radius > 0.0 && sharing::is_due(i as u32, &states[i], share, number)
     };
     let asks = |i: usize| sharing::asks(&states[i]);
     let due: [bool; LANES] = std::array::from_fn(|lane| {

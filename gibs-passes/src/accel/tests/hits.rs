@@ -363,7 +363,10 @@ fn this_test_covers_avx2_where_there_is_any() {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2")
         && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("bmi1")
         && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
     {
         assert_eq!(Tracer::new().simd(), Simd::Avx2);
     }

@@ -51,7 +51,7 @@ fn contains(cell: u32, p: Vec3, grid: &GridShape, wider: f64) -> bool {
 fn grids() -> impl Iterator<Item = (GridLayout, GridShape)> {
     [1e-3, 0.5, 1e3].into_iter().flat_map(|half| {
         [4, 17, 40].map(|side| {
-            let layout = GridLayout::new(side, 400.0);
+            let layout = GridLayout::new(side, 128.0);
             (layout, layout.at(Vec3::new(0.1, -0.2, 0.3) * half, half))
         })
     })

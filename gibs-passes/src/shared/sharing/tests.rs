@@ -258,12 +258,17 @@ fn every_surfel_asks_in_turn() {
     for surfel in [0, 63, 64, 1000] {
         for first in 100..200 {
             let times = (first..first + PERIOD)
-                .filter(|&frame| is_due(surfel, &state, 0.0, frame))
+                .filter(|&frame| is_due(surfel, &state, || 0.0, frame))
                 .count();
             assert_eq!(times, 1, "surfel {surfel} from frame {first}");
         }
-        assert!((0..FRESH).all(|frame| is_due(surfel, &state, 0.0, frame)));
-        assert!((100..200).all(|frame| is_due(surfel, &state, 0.1, frame)));
-        assert!((100..200).all(|frame| is_due(surfel, &SurfelIrradiance::default(), 0.0, frame)));
+        assert!((0..FRESH).all(|frame| is_due(surfel, &state, || 0.0, frame)));
+        assert!((100..200).all(|frame| is_due(surfel, &state, || 0.1, frame)));
+        assert!((100..200).all(|frame| is_due(
+            surfel,
+            &SurfelIrradiance::default(),
+            || 0.0,
+            frame
+        )));
     }
 }

@@ -33,7 +33,7 @@ pub fn continue_paths(paths: &Paths<'_>, range: Range<usize>, set: impl FnMut(us
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn continue_wide(paths: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usize, Ray, Path)) {
     for first in range.clone().step_by(BATCH) {
         let mut going = [(0, 0); BATCH];
@@ -59,7 +59,7 @@ fn continue_wide(paths: &Paths<'_>, range: Range<usize>, mut set: impl FnMut(usi
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn continued(paths: &Paths<'_>, ids: &[usize; 8]) -> ([Ray; 8], [Path; 8]) {
     let points = ids.map(|i| &paths.points[i]);
     let before = ids.map(|i| &paths.paths[i]);

@@ -47,7 +47,7 @@ struct Batch {
     rays: [u32; 8],
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn generate_wide(
     surfels: &Surfels<'_>,
     range: Range<usize>,
@@ -81,7 +81,7 @@ fn generate_wide(
 
 impl Batch {
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn draw(&self, from: &Surfels<'_>, count: usize, set: &mut impl FnMut(usize, Ray, Path)) {
         let zero = _mm256_setzero_ps();
         let word = |word: u32| _mm256_set1_epi32(word as i32);

@@ -27,7 +27,7 @@ pub struct Batch<'a> {
 impl<'a> Batch<'a> {
     /// Finds the lists. What one step needs of memory is asked for at all points before the next step.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn new(points: &Points<'_>, s: &Surfels<'a>) -> Self {
         let mut batch = Batch {
             points: [SurfelPose::default(); AT_A_TIME],

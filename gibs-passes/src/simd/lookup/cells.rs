@@ -16,8 +16,8 @@ pub struct Cells {
 
 /// [`crate::shared::portable::log2`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn log2(x: __m256) -> __m256 {
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn log2(x: __m256) -> __m256 {
     let one = _mm256_set1_ps(1.0);
     let bits = _mm256_castps_si256(x);
     let exponent = _mm256_sub_ps(
@@ -44,14 +44,14 @@ fn log2(x: __m256) -> __m256 {
 
 /// A number from zero to `last`, rounded down.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn whole(x: __m256, last: __m256) -> __m256i {
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn whole(x: __m256, last: __m256) -> __m256i {
     _mm256_cvttps_epi32(_mm256_min_ps(positive(x), last))
 }
 
 /// `b` where the mask is set, else `a`.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn chosen(a: __m256i, b: __m256i, mask: __m256) -> __m256i {
     _mm256_blendv_epi8(a, b, _mm256_castps_si256(mask))
 }
@@ -59,7 +59,7 @@ fn chosen(a: __m256i, b: __m256i, mask: __m256) -> __m256i {
 impl Cells {
     /// The cells of eight points of a grid.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn of(position: &Lanes3, grid: &GridShape) -> Self {
         let (one, half) = (_mm256_set1_ps(1.0), _mm256_set1_ps(grid.half));
         let centre = all(grid.centre);

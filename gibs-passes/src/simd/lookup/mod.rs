@@ -1,11 +1,14 @@
-//! The lookup of surfels around points, eight surfels at a time: [`crate::shared::lookup`], operation for operation.
+//! The lookup of surfels around points, eight surfels at a time: [`crate::shared::lookup`], operation for operation. Also the cells
+//! that list eight surfels.
 #![allow(unsafe_code)]
 mod batch;
 mod bounds;
+mod candidates;
 mod cells;
 mod near;
 mod pairs;
 pub mod poses;
+mod spans;
 
 use std::arch::x86_64::*;
 
@@ -21,6 +24,7 @@ use near::{coverage, neighbours};
 pub use pairs::FULL;
 use pairs::for_pairs;
 use poses::Poses;
+pub use spans::overlapped_by;
 
 /// The lookup with the best instructions of this processor. Make one per workgroup.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +106,7 @@ impl Lookup {
 
 /// The first eight entries, and a mask of those that are there; zero stands for the others.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn eight(entries: &[u32]) -> (__m256i, u32) {
     // SAFETY: the loads read what the slice has of eight words, and need no alignment.
     unsafe {
@@ -118,13 +122,13 @@ fn eight(entries: &[u32]) -> (__m256i, u32) {
 
 /// The mask of weights above zero, of so many.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn above_zero(weight: __m256, count: usize) -> u32 {
     let some = _mm256_cmp_ps::<_CMP_GT_OQ>(weight, _mm256_setzero_ps());
     _mm256_movemask_ps(some) as u32 & ((1 << count) - 1)
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn coverages(
     points: &Points<'_>,
     s: &Surfels<'_>,
@@ -141,7 +145,7 @@ fn coverages(
     totals
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn gathers(
     points: &Points<'_>,
     enough: f32,
@@ -196,7 +200,7 @@ fn gathers(
 }
 
 /// The average of a cell at a point, as [`lookup::gather`] finds it.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn average(
     at: &SurfelPose,
     ids: &[u32],

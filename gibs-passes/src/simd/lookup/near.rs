@@ -90,7 +90,7 @@ unsafe fn weights_at(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize)) -> f32 {
     let (point, normal) = (all(place.position), all(place.normal));
     let mut total = 0.0;
@@ -114,7 +114,7 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
     total
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn neighbours(
     own: usize,
     list: List<'_>,
@@ -155,7 +155,7 @@ pub fn neighbours(
 
 /// Weights of neighbours with both depth functions, for `each` to take; empties the line.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn finish_neighbours(
     weighty: &mut Line,
     own: usize,

@@ -11,6 +11,7 @@ use super::super::lanes::{loaded, stored};
 use super::super::prefetch;
 use super::batch::Batch;
 use super::bounds::Point;
+use super::candidates::{Candidates, set_lanes};
 use super::poses::Poses;
 use super::{above_zero, eight};
 use crate::shared::lists::Surfels;
@@ -20,7 +21,7 @@ use bytemuck::Pod;
 pub const FULL: usize = 256;
 
 /// Room in a line: the last ones to come may be eight, in eight words more.
-const ROOM: usize = FULL + 16;
+pub const ROOM: usize = FULL + 16;
 
 /// Pairs of surfel and point, in the order of the points and, for each, of its list, and the weight of each. What has not
 /// been written is not read: clearing the whole line for every sixteen points would take longer than what is done with it.
@@ -45,24 +46,6 @@ pub struct Eight {
     /// How many of them there are; the others are of surfel and point 0.
     pub count: usize,
 }
-
-/// For each mask of eight lanes, those that are set, in order, a byte each.
-static SET: [u64; 256] = {
-    let mut all = [0; 256];
-    let mut mask = 0;
-    while mask < 256 {
-        let (mut lane, mut count) = (0, 0);
-        while lane < 8 {
-            if mask & (1 << lane) != 0 {
-                all[mask] |= lane << (8 * count);
-                count += 1;
-            }
-            lane += 1;
-        }
-        mask += 1;
-    }
-    all
-};
 
 impl Line {
     #[inline(always)]
@@ -126,9 +109,9 @@ impl Line {
 
     /// Appends those pairs of eight that a mask names.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn append(&mut self, mask: u32, surfels: __m256i, points: __m256i, weights: __m256) {
-        let set = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET[mask as usize & 0xff] as i64));
+        let set = set_lanes(mask);
         let room = self.count..self.count + 8;
         let to = (
             &mut self.surfels[room.clone()],
@@ -149,9 +132,9 @@ impl Line {
 
     /// Notes those places from one on, of eight, that a mask names.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn note_hiding(&mut self, mask: u32, first: usize) {
-        let set = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET[mask as usize & 0xff] as i64));
+        let set = set_lanes(mask);
         let places = _mm256_add_epi32(set, _mm256_set1_epi32(first as i32));
         let to = &mut self.hiding[self.hiding_count..self.hiding_count + 8];
         // SAFETY: the store writes the eight words of the slice and needs no alignment.
@@ -168,7 +151,7 @@ impl Line {
 
     /// Multiplies the weights that lack them by the depth functions' shares.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn hide(&mut self, batch: &Batch<'_>, s: &Surfels<'_>) {
         for start in (0..self.hiding_count).step_by(8) {
             let of = &self.hiding()[start..self.hiding_count.min(start + 8)];
@@ -196,14 +179,14 @@ impl Line {
 /// Calls `each` with point, surfel and weight of all pairs that have any before the depth functions, in order. `soon`
 /// hears of each such surfel a little before.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn for_pairs(
     batch: &Batch<'_>,
     s: &Surfels<'_>,
     soon: impl Fn(usize),
     mut each: impl FnMut(usize, usize, f32),
 ) {
-    let mut near = Line::new();
+    let mut near = Candidates::new();
     let mut weighty = Line::new();
     for (at, list) in (0..).zip(&batch.lists) {
         let here = _mm256_set1_epi32(at);
@@ -214,8 +197,8 @@ pub fn for_pairs(
             // SAFETY: as above.
             let mask = unsafe { point.may_reach(bounds) } & there;
             let (ids, _) = eight(&list.ids[start..]);
-            near.append(mask, ids, here, _mm256_setzero_ps());
-            if near.count >= FULL {
+            near.append(mask, ids, here);
+            if near.count() >= FULL {
                 weigh(&mut near, &mut weighty, batch, s, &soon);
                 finish(&mut weighty, batch, s, &mut each);
             }
@@ -225,10 +208,10 @@ pub fn for_pairs(
     finish(&mut weighty, batch, s, &mut each);
 }
 
-/// Weights before the depth functions: moves pairs with any from one line to the other, which is empty.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+/// Weights before the depth functions: those of the candidates that have any go into a line, which is empty.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn weigh(
-    near: &mut Line,
+    near: &mut Candidates,
     weighty: &mut Line,
     batch: &Batch<'_>,
     s: &Surfels<'_>,
@@ -239,21 +222,21 @@ fn weigh(
     }
     near.take(
         #[inline(always)]
-        |pairs| {
+        |surfels, points, count| {
             // SAFETY: this function is compiled for AVX2; the loads read eight words each and need no alignment.
             unsafe {
-                let poses = Poses::load(s.poses, &pairs.surfels);
-                let places = Poses::load(&batch.points, &pairs.points);
+                let poses = Poses::load(s.poses, &surfels);
+                let places = Poses::load(&batch.points, &points);
                 let falloff = poses.falloff(&poses.to(&places.position));
                 let weight = _mm256_mul_ps(falloff, poses.alignment(&places.normal));
-                let mask = above_zero(weight, pairs.count);
+                let mask = above_zero(weight, count);
                 if !s.depths.is_empty() {
                     weighty.note_hiding(_pext_u32(poses.hiding(), mask), weighty.count);
                 }
                 weighty.append(
                     mask,
-                    _mm256_loadu_si256(pairs.surfels.as_ptr().cast()),
-                    _mm256_loadu_si256(pairs.points.as_ptr().cast()),
+                    _mm256_loadu_si256(surfels.as_ptr().cast()),
+                    _mm256_loadu_si256(points.as_ptr().cast()),
                     weight,
                 );
             }
@@ -271,7 +254,7 @@ fn weigh(
 
 /// Weights with the depth functions, for `each` to take; empties the line.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn finish(
     weighty: &mut Line,
     batch: &Batch<'_>,

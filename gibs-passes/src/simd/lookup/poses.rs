@@ -81,7 +81,7 @@ impl Poses {
 
     /// One surfel, eight times.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn repeated(pose: &SurfelPose) -> Self {
         Poses {
             position: all(pose.position),
@@ -93,7 +93,7 @@ impl Poses {
 
     /// A bit for each that hides something within its radius: [`mark::is_open`] is false.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn hiding(&self) -> u32 {
         const { assert!(mark::OPEN == 1 << 31) };
         !_mm256_movemask_ps(self.mark) as u32 & 0xff
@@ -101,14 +101,14 @@ impl Poses {
 
     /// Normals of their planes.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn across(&self) -> Lanes3 {
         planes(self.mark)
     }
 
     /// From each surfel to a point.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn to(&self, point: &Lanes3) -> Lanes3 {
         [
             _mm256_sub_ps(point[0], self.position[0]),
@@ -119,7 +119,7 @@ impl Poses {
 
     /// The same surfels with so many times the radius.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn reaching(self, reach: f32) -> Self {
         let radius = _mm256_mul_ps(_mm256_set1_ps(reach), self.radius);
         Poses { radius, ..self }
@@ -127,7 +127,7 @@ impl Poses {
 
     /// [`lookup::nearness`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn nearness(&self, d: &Lanes3) -> __m256 {
         let across = self.across();
         let (h, whole) = (dot(d, &across), dot(&across, &across));
@@ -142,7 +142,7 @@ impl Poses {
 
     /// [`lookup::falloff`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn falloff(&self, d: &Lanes3) -> __m256 {
         let k = self.nearness(d);
         _mm256_mul_ps(_mm256_mul_ps(_mm256_set1_ps(lookup::PEAK), k), k)
@@ -150,7 +150,7 @@ impl Poses {
 
     /// [`lookup::alignment`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn alignment(&self, normal: &Lanes3) -> __m256 {
         let c = positive(dot(normal, &self.normal));
         let squared = _mm256_mul_ps(c, c);
@@ -160,7 +160,7 @@ impl Poses {
 
     /// [`lookup::leaning`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn leaning(&self, normal: &Lanes3) -> __m256 {
         let c = positive(dot(normal, &self.normal));
         _mm256_mul_ps(c, c)
@@ -168,20 +168,20 @@ impl Poses {
 
     /// [`depth::visibility`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn visibility(&self, depths: Depths<'_>, ids: &[u32; 8], point: &Lanes3) -> __m256 {
         self.visibility_within(f32::MAX, depths, ids, point)
     }
 
     /// [`depth::openness`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn openness(&self, depths: Depths<'_>, ids: &[u32; 8], point: &Lanes3) -> __m256 {
         self.visibility_within(1.0, depths, ids, point)
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn visibility_within(
         &self,
         most: f32,
@@ -209,7 +209,7 @@ impl Poses {
 
 /// Normals of the planes in eight marks: [`crate::shared::plane::unpack`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn planes(marks: __m256) -> Lanes3 {
     let (bits, low) = (_mm256_castps_si256(marks), _mm256_set1_epi32(0xff));
     let (steps, zero) = (_mm256_set1_ps(STEPS), _mm256_setzero_ps());
@@ -230,7 +230,7 @@ pub fn planes(marks: __m256) -> Lanes3 {
 
 /// [`depth::depth_moments`] in a direction that is clamped to the hemisphere first.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn moments(depths: Depths<'_>, ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
     let (zero, half, one) = (
         _mm256_setzero_ps(),
@@ -287,7 +287,7 @@ fn moments(depths: Depths<'_>, ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
 
 /// [`depth::chebyshev`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn chebyshev(m: &[__m256; 2], t: __m256) -> __m256 {
     let one = _mm256_set1_ps(1.0);
     let variance = _mm256_max_ps(

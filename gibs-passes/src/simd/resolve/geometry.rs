@@ -4,8 +4,8 @@ use std::arch::x86_64::*;
 
 use super::super::directions::{normalized, pack, unpack};
 use super::super::lanes::{
-    Lanes3, columns, dot, either, has_any, inverted, is_word, magnitude, magnitudes, scaled, sum,
-    turned,
+    Lanes3, columns, columns_where, dot, either, has_any, inverted, is_word, larger, magnitude,
+    magnitudes, scaled, sum, turned,
 };
 use crate::data::{Corners, Hit, Instance, NONE, Ray, Triangle};
 use crate::shared::surface;
@@ -42,7 +42,7 @@ pub struct Geometry {
 impl Geometry {
     /// Surfaces at eight hits.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn at(on: &On<'_>) -> Self {
         let [u, v, _, _] = columns::<1, _>(&on.hits);
         let w = _mm256_sub_ps(_mm256_sub_ps(_mm256_set1_ps(1.0), u), v);
@@ -50,10 +50,12 @@ impl Geometry {
         let [e1x, e1y, e1z, _] = columns::<4, _>(&on.triangles);
         let [e2x, e2y, e2z, moves] = columns::<8, _>(&on.triangles);
         let (v0, e1, e2) = ([v0x, v0y, v0z], [e1x, e1y, e1z], [e2x, e2y, e2z]);
+        let first = on.instances[0];
+        let same = on.instances.iter().all(|&i| std::ptr::eq(i, first));
         let to_world = [
-            columns::<12, _>(&on.instances),
-            columns::<16, _>(&on.instances),
-            columns::<20, _>(&on.instances),
+            columns_where::<12, _>(&on.instances, same),
+            columns_where::<16, _>(&on.instances, same),
+            columns_where::<20, _>(&on.instances, same),
         ];
         let local = sum(&sum(&v0, &scaled(&e1, u)), &scaled(&e2, v));
         let reach = sum(&sum(&magnitudes(&v0), &magnitudes(&e1)), &magnitudes(&e2));
@@ -69,9 +71,9 @@ impl Geometry {
             _mm256_mul_ps(largest, _mm256_set1_ps(surface::OFFSET)),
         ];
         let to_object = [
-            columns::<0, _>(&on.instances),
-            columns::<4, _>(&on.instances),
-            columns::<8, _>(&on.instances),
+            columns_where::<0, _>(&on.instances, same),
+            columns_where::<4, _>(&on.instances, same),
+            columns_where::<8, _>(&on.instances, same),
         ];
         let area = leveled(&cross(&e1, &e2));
         let face = normalized(&leveled(&map_transposed(&to_object, &area)));
@@ -92,7 +94,7 @@ impl Geometry {
             shading = turned(&known, _mm256_and_ps(against, smooth));
         }
         let back = inverted(front);
-        let [_, _, instance_moves, _] = columns::<24, _>(&on.instances);
+        let [_, _, instance_moves, _] = columns_where::<24, _>(&on.instances, same);
         Geometry {
             place,
             normals: [pack(&turned(&face, back)), pack(&turned(&shading, back))],
@@ -109,7 +111,7 @@ impl Geometry {
 
 /// [`crate::stages::trace_closest::uv_at`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn uv_at(corners: &[&Corners; 8], u: __m256, v: __m256, w: __m256) -> [__m256; 2] {
     let [ax, ay, bx, by] = columns::<4, _>(corners);
     let [_, _, cx, cy] = columns::<6, _>(corners);
@@ -122,7 +124,7 @@ fn uv_at(corners: &[&Corners; 8], u: __m256, v: __m256, w: __m256) -> [__m256; 2
 
 /// [`crate::stages::resolve_hits::map_transposed`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
     let part = |i: usize| {
         let [x, y, z, _] = rows[i];
@@ -133,7 +135,7 @@ fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
 
 /// [`crate::stages::resolve_hits::leveled`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn leveled(v: &Lanes3) -> Lanes3 {
     let [x, y, z] = magnitudes(v);
     let largest = _mm256_castps_si256(_mm256_max_ps(_mm256_max_ps(x, y), z));
@@ -143,18 +145,9 @@ fn leveled(v: &Lanes3) -> Lanes3 {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn cross(a: &Lanes3, b: &Lanes3) -> Lanes3 {
     let part =
         |i: usize, j: usize| _mm256_sub_ps(_mm256_mul_ps(a[i], b[j]), _mm256_mul_ps(b[i], a[j]));
     [part(1, 2), part(2, 0), part(0, 1)]
-}
-
-/// `f32::max`: the other one where one is not a number.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn larger(a: __m256, b: __m256) -> __m256 {
-    let unordered = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, a);
-    // The instruction gives its second operand where either is not a number.
-    _mm256_blendv_ps(_mm256_max_ps(b, a), b, unordered)
 }

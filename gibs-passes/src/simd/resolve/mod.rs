@@ -43,7 +43,7 @@ pub fn resolve_hits(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_wide(
     scene: &Scene<'_>,
     rays: &[Ray],
@@ -101,7 +101,7 @@ struct Begun {
 
 impl Begun {
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn at(scene: &Scene<'_>, rays: &[Ray], hits: &[Hit], ids: &[usize; 8]) -> Self {
         let hits = ids.map(|i| &hits[i]);
         let triangles = hits.map(|hit| &scene.triangles[hit.triangle as usize]);
@@ -139,7 +139,7 @@ impl Begun {
     }
 
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn finished(&self, texels: &[u32]) -> [SurfacePoint; 8] {
         let [red, green, blue] = self.picks.colors(texels).map(|c| unorm16(c));
         let Geometry {
@@ -165,7 +165,7 @@ impl Begun {
 
 /// Emission with [`scalar::emission`] in the lanes of a mask: few materials have a texture of it.
 #[inline(never)]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn pictured_emission(
     emission: Lanes3,
     mask: u32,

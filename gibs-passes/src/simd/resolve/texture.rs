@@ -25,7 +25,7 @@ pub struct Picks {
 impl Picks {
     /// What materials have at texture coordinates.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn at(materials: &[&Material; 8], uv: &[__m256; 2]) -> Self {
         let [r, g, b, _] = columns::<0, _>(materials);
         let [ux, uy, uz, first] = columns::<8, _>(materials);
@@ -67,7 +67,7 @@ impl Picks {
 
     /// Asks for the texels: with two rows of them, most of what [`Picks::colors`] waits for.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn prefetch(&self, texels: &[u32]) {
         if _mm256_movemask_ps(self.textured) == 0 {
             return;
@@ -84,7 +84,7 @@ impl Picks {
     /// # Panics
     /// If there is no such texel.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     pub fn colors(&self, texels: &[u32]) -> Lanes3 {
         if _mm256_movemask_ps(self.textured) == 0 {
             return self.factor;
@@ -125,7 +125,7 @@ impl Picks {
 /// # Panics
 /// If one of the texels does not exist.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn check(indices: &[__m256i; 4], texels: &[u32]) {
     // Indices are signed in a gather.
     let count = texels.len().min(1 << 31);
@@ -144,7 +144,7 @@ fn check(indices: &[__m256i; 4], texels: &[u32]) {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn mapped(row: &Lanes3, uv: &[__m256; 2]) -> __m256 {
     let rest = _mm256_add_ps(_mm256_mul_ps(row[1], uv[1]), row[2]);
     _mm256_add_ps(_mm256_mul_ps(row[0], uv[0]), rest)
@@ -161,7 +161,7 @@ struct Axis {
 impl Axis {
     /// At a texture coordinate, for pictures of a size; wrapped as the lowest bits of `sampler` say.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn at(coordinate: __m256, size: __m256i, sampler: __m256i, nearest: __m256) -> Self {
         let (half, one) = (_mm256_set1_ps(0.5), _mm256_set1_ps(1.0));
         let two = _mm256_set1_ps(2.0);
@@ -202,7 +202,7 @@ struct Edges {
 impl Edges {
     /// The texel that stands for another one.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn wrap(&self, texel: __m256) -> __m256i {
         let (zero, ones) = (_mm256_setzero_si256(), _mm256_set1_epi32(-1));
         let mirror = _mm256_castps_si256(self.mirror);
@@ -227,7 +227,7 @@ impl Edges {
 
 /// [`crate::shared::surface::unorm16`].
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn unorm16(x: __m256) -> __m256i {
     let unit = _mm256_min_ps(positive(x), _mm256_set1_ps(1.0));
     let steps = _mm256_mul_ps(unit, _mm256_set1_ps(65_535.0));

@@ -35,7 +35,7 @@ pub fn sample_lights(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn sample_wide(
     frame: &Frame,
     points: &[SurfacePoint],
@@ -113,7 +113,7 @@ fn sample_wide(
 
 /// Lights that points draw from the strata of the list.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn drawn(frame: &Frame, each: u32, position: &Lanes3, choice: __m256i) -> __m256i {
     use crate::shared::hash;
     let [x, y, z] = position.map(|c| _mm256_castps_si256(c));
@@ -147,7 +147,7 @@ struct Lights {
 
 impl Lights {
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn load(lights: &[&Light; 8]) -> Self {
         let [x, y, z, kind] = columns::<0, _>(lights);
         let [r, g, b, cos_outer] = columns::<4, _>(lights);
@@ -168,7 +168,7 @@ impl Lights {
 
     /// [`crate::stages::sample_lights::unshadowed`]; the direction and the distance only where it is above zero.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn unshadowed(&self, position: &Lanes3, n: &Lanes3) -> (Lanes3, Lanes3, __m256) {
         let opposite = self.direction.map(|c| negated(c));
         let far = _mm256_set1_ps(f32::MAX);
@@ -194,7 +194,7 @@ impl Lights {
 
     /// Where a direction lies between the cones of a spot.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn cone_share(&self, to: &Lanes3) -> __m256 {
         let width = _mm256_max_ps(
             _mm256_sub_ps(self.cos_inner, self.cos_outer),

@@ -30,7 +30,7 @@ pub fn select_pixels(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn select_wide(
     camera: &Camera,
     points: &[SurfacePoint],
@@ -74,7 +74,7 @@ fn select_wide(
 /// Selects every second pixel of a range: those with a surface that another one is next to, by these differences of
 /// indices.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn every_second<const AROUND: usize>(
     (camera, points): (&Camera, &[SurfacePoint]),
     range: Range<usize>,
@@ -113,7 +113,7 @@ struct Here {
 
 impl Here {
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn at(camera: &Camera, points: &[&SurfacePoint; 8]) -> Self {
         let [x, y, z, offset] = columns::<0, _>(points);
         let [geometric, shading, _, _] = columns::<4, _>(points);
@@ -137,7 +137,7 @@ impl Here {
 
     /// [`crate::shared::upsample::continuous`].
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn continuous(&self, there: &[&SurfacePoint; 8]) -> __m256 {
         let [x, y, z, _] = columns::<0, _>(there);
         let [geometric, shading, _, _] = columns::<4, _>(there);

@@ -34,7 +34,7 @@ pub fn shade_hits(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn shade_wide(
     hits: &Hits<'_>,
     range: Range<usize>,
@@ -69,7 +69,7 @@ struct Eight {
 }
 
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn shaded(
     hits: &Hits<'_>,
     ids: &[usize; 8],
@@ -171,7 +171,7 @@ fn shaded(
 
 /// Radiance of the sky in the lanes of a mask.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn sky(hits: &Hits<'_>, ids: &[usize; 8], mask: __m256) -> Lanes3 {
     let mut seen = [[0.0; 8]; 3];
     for_lanes(_mm256_movemask_ps(mask) as u32, |lane| {

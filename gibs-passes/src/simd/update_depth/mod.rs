@@ -33,7 +33,7 @@ pub fn update_depth(
     }
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn update_wide(
     d: &Distances<'_>,
     range: Range<usize>,
@@ -82,7 +82,7 @@ struct Batch {
 
 impl Batch {
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn learn(
         &self,
         d: &Distances<'_>,
@@ -113,7 +113,7 @@ impl Batch {
 
     /// Texels, distances in diameters and shares of them in what the texels keep of eight rays.
     #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn eight(
         &self,
         d: &Distances<'_>,
@@ -166,7 +166,7 @@ const NOWHERE: u32 = u32::MAX;
 
 /// [`crate::stages::update_depth::learn`], both moments at once.
 #[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn learn(texel: u32, t: f32, blend: f32) -> u32 {
     let new = _mm_setr_ps(t, t * t, 0.0, 0.0);
     let steps = _mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_cvtsi32_si128(texel as i32)));

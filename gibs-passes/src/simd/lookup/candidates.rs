@@ -1,0 +1,99 @@
+//! Pairs of point and surfel whose weights are not known yet.
+#![allow(unsafe_code)]
+use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
+
+use super::pairs::ROOM;
+
+/// For each mask of eight lanes, those that are set, in order, a byte each.
+static SET: [u64; 256] = {
+    let mut all = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if mask & (1 << lane) != 0 {
+                all[mask] |= lane << (8 * count);
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    all
+};
+
+/// The lanes that a mask of eight names, in order, and zeros.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn set_lanes(mask: u32) -> __m256i {
+    _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(SET[mask as usize & 0xff] as i64))
+}
+
+/// Surfels that may reach points, in the order of the points and, for each, of its list. What has not been written is not read.
+pub struct Candidates {
+    surfels: [MaybeUninit<u32>; ROOM],
+    points: [MaybeUninit<u32>; ROOM],
+    count: usize,
+}
+
+impl Candidates {
+    /// None.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self {
+            surfels: [const { MaybeUninit::uninit() }; ROOM],
+            points: [const { MaybeUninit::uninit() }; ROOM],
+            count: 0,
+        }
+    }
+
+    /// Pairs in it.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The surfels.
+    #[inline(always)]
+    pub fn surfels(&self) -> impl Iterator<Item = usize> {
+        // SAFETY: `append` has written what is below the count.
+        let written = |surfel: &MaybeUninit<u32>| unsafe { surfel.assume_init() } as usize;
+        self.surfels[..self.count].iter().map(written)
+    }
+
+    /// Appends those of eight surfels that a mask names, each with the point that all lanes of `point` have.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    pub fn append(&mut self, mask: u32, surfels: __m256i, point: __m256i) {
+        let room = self.count..self.count + 8;
+        let to = (&mut self.surfels[room.clone()], &mut self.points[room]);
+        // SAFETY: the stores write the eight words of each slice and need no alignment.
+        unsafe {
+            let surfels = _mm256_permutevar8x32_epi32(surfels, set_lanes(mask));
+            _mm256_storeu_si256(to.0.as_mut_ptr().cast(), surfels);
+            _mm256_storeu_si256(to.1.as_mut_ptr().cast(), point);
+        }
+        self.count += (mask & 0xff).count_ones() as usize;
+    }
+
+    /// Calls `each` with the surfels and points of all pairs, eight at a time, and with how many of them there are, the others being of
+    /// surfel and point 0; there are none afterwards.
+    #[inline(always)]
+    pub fn take(&mut self, mut each: impl FnMut([u32; 8], [u32; 8], usize)) {
+        let end = self.count;
+        assert!(end + 8 <= ROOM, "{end} pairs in a line of {ROOM}");
+        self.surfels[end..end + 8].fill(MaybeUninit::new(0));
+        self.points[end..end + 8].fill(MaybeUninit::new(0));
+        let from = |line: &[MaybeUninit<u32>; ROOM], start: usize| {
+            // SAFETY: eight elements from any start below the count on end within the eight behind the last pair, which were
+            // written here; those before were by `append`.
+            unsafe { line.as_ptr().add(start).cast::<[u32; 8]>().read_unaligned() }
+        };
+        for start in (0..end).step_by(8) {
+            let (surfels, points) = (from(&self.surfels, start), from(&self.points, start));
+            each(surfels, points, (end - start).min(8));
+        }
+        self.count = 0;
+    }
+}
