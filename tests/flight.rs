@@ -12,7 +12,7 @@ const BEGINS: usize = 16;
 
 /// Through the atrium, at a quarter of 480x270: no birth without a slot, none lost or given twice, no entry beyond the grid's
 /// lists. Of the pixels whose surface has been in view for eight frames, surfels cover all but a few by half or more; in the others
-/// the cell's average makes up for it. Measured: 0.6 % in the mean and 2.2 % in the worst frame, most of them in foliage and where
+/// the cell's average makes up for it. Measured: 0.4 % in the mean and 1.0 % in the worst frame, most of them in foliage and where
 /// the camera turns; the bounds are half as much again.
 #[test]
 fn surfels_keep_up_with_a_camera() {
@@ -21,6 +21,8 @@ fn surfels_keep_up_with_a_camera() {
     let path = CameraPath::load(&path, &view.camera).expect("a path");
     let settings = Settings {
         rays: 25_000,
+        // As many as those rays feed.
+        surfels: 16_384,
         check_slots: true,
         ..Settings::default()
     };
@@ -47,5 +49,5 @@ fn surfels_keep_up_with_a_camera() {
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     let worst = shares.iter().fold(0.0, |a: f64, &b| a.max(b));
     println!("holes of what has been in view: mean {mean:.4}, worst {worst:.4}");
-    assert!(mean < 0.009 && worst < 0.034, "{mean}, {worst}");
+    assert!(mean < 0.006 && worst < 0.016, "{mean}, {worst}");
 }

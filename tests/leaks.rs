@@ -16,13 +16,14 @@ use gibs::reference::{ReferenceOptions, reference};
 use glam::DVec3;
 use leak::{Leak, Work, levels, measure};
 
-/// A quarter of the pixels and of the rays of 480x270. The radius of a surfel is fixed by their number, not by that of the
-/// pixels, so that surfels are as large against the walls as there.
+/// A quarter of the pixels and of the rays of 480x270. Surfels are as large against the walls as there, where as many of them fit as
+/// the rays can feed.
 const SIZE: [u32; 2] = [240, 135];
 
 fn settings() -> Settings {
     Settings {
         rays: 25_000,
+        radius: 0.5 * Settings::default().radius_in([480, 270]),
         ..Settings::default()
     }
 }

@@ -195,7 +195,8 @@ fn projected(renderer: &mut Renderer, eye: DVec3, wanted: f64) -> (Vec<f64>, u32
 #[test]
 fn radii_keep_their_size_on_the_screen() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
-    let settings = settings(2000);
+    // Enough rays for all surfels that there is room for.
+    let settings = settings(12_500);
     let size = [96, 96];
     // All surfels there are fit the radius to the room for them.
     let pixel = 2.0 * (view.camera.vfov / 2.0).tan() / f64::from(size[1]);

@@ -1,7 +1,7 @@
 //! `gibs render`: direct light and surfel indirect light.
 use super::CommandError;
-use super::output::{check_finite, default_out, progress, say, warning, write};
-use super::run::warn_of;
+use super::output::{check_finite, default_out, progress, say, write};
+use super::run::{warn_at_start, warn_of};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
@@ -149,15 +149,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         &settings,
         args.seed,
     )?;
-    for warning in renderer.warnings() {
-        warning!("{warning}");
-    }
-    if settings.rays == 0 && settings.surfels > 0 {
-        warning!("without rays no surfel learns of any light: indirect light is zero");
-    }
-    if settings.surfels == 0 {
-        warning!("without surfels there is direct light only");
-    }
+    warn_at_start(&renderer, &settings);
     let bar = progress(u64::from(args.frames), "rendering");
     renderer.frame()?;
     renderer.wait()?;

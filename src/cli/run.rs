@@ -28,10 +28,20 @@ pub(super) fn prepare(
         &settings,
         seed,
     )?;
+    warn_at_start(&renderer, &settings);
+    Ok(renderer)
+}
+
+/// Says what the scene has that is left out, and what the settings leave no light of.
+pub(super) fn warn_at_start(renderer: &Renderer, settings: &Settings) {
     for warning in renderer.warnings() {
         warning!("{warning}");
     }
-    Ok(renderer)
+    if settings.surfels == 0 {
+        warning!("without surfels there is direct light only");
+    } else if settings.rays == 0 {
+        warning!("without rays no surfel learns of any light: indirect light is zero");
+    }
 }
 
 /// What happened to the surfels over a run.

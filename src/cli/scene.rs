@@ -145,8 +145,13 @@ impl TechniqueArgs {
         if let Some(rays) = rays {
             settings.set("rays", &rays.to_string())?;
         }
+        let mut idle = Vec::new();
         for name in &self.without {
-            settings = element("--without", name)?.switched(&settings, false);
+            let element = element("--without", name)?;
+            if !element.is_on(&settings) {
+                idle.push(name);
+            }
+            settings = element.switched(&settings, false);
         }
         for (index, text) in self.set.iter().enumerate() {
             let Some((key, value)) = pair(text) else {
@@ -174,6 +179,9 @@ impl TechniqueArgs {
                 }
             }
             settings.set(key, value)?;
+        }
+        for name in idle {
+            warning!("`--without {name}` changes nothing: it is off already");
         }
         Ok(settings)
     }

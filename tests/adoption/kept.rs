@@ -66,10 +66,11 @@ fn a_light_that_is_added_shines() {
     }
 }
 
+/// A larger one: of a smaller one surfels grow, and those that are too many go in time.
 #[test]
 fn another_budget_of_rays_keeps_every_surfel() {
     keeps_every_bit("a budget", |renderer, _, _| {
-        renderer.set_settings(&settings(1000))
+        renderer.set_settings(&settings(16_000))
     });
 }
 

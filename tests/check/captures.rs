@@ -179,7 +179,7 @@ fn late(bytes: &mut [u8]) {
 }
 
 /// Rays; the surfels of the test draw so many after some frames.
-const LATE: u32 = 12;
+const LATE: u32 = 32;
 
 #[test]
 fn bisection_finds_frame_stage_port_and_element() {

@@ -111,6 +111,33 @@ fn bad_backends_and_settings_list_what_there_is() {
     );
 }
 
+/// What settings leave no light of is said by every command that renders, and so is what an option does not change.
+#[test]
+fn what_makes_no_difference_or_no_light_is_said() {
+    let says = |args: &[&str], part: &str| {
+        let output = gibs(args);
+        let message = stderr(&output);
+        assert!(output.status.success(), "{args:?}: {message}");
+        assert!(message.contains(part), "{args:?}: {message}");
+    };
+    let off = "`--without clamp` changes nothing";
+    says(&["graph", "cornell", "--without", "clamp,sharing"], off);
+    let small = [
+        "cornell",
+        "--size",
+        "16x9",
+        "--frames",
+        "2",
+        "--backend",
+        "cpu",
+    ];
+    for command in ["stress", "roam"] {
+        let with = |more: &'static [&str]| [&[command], &small[..], more].concat();
+        says(&with(&["--rays", "0"]), "without rays");
+        says(&with(&["--set", "surfels=0"]), "without surfels");
+    }
+}
+
 /// Which of the two would win is nothing to guess.
 #[test]
 fn two_options_about_one_setting_are_refused() {

@@ -120,16 +120,19 @@ impl Settings {
     /// When spawning stops there are about `SURFELS_PER_DISC` times as many surfels as discs of that radius fit (measured:
     /// 5500 surfels of 8 pixels cover a picture of 480x270). Fitted, they take `SHARE_IN_VIEW` of the capacity; the rest is
     /// for the small ones beside walls and in foliage, in the atrium of Sponza half as many again, and for what the camera has
-    /// left behind.
+    /// left behind. Nor are there more than rays can feed, `SLOTS_PER_RAY` of the capacity, which is all of it by default: of more
+    /// that know less each, the picture is worse, and takes longer.
     pub fn radius_in(&self, size: [u32; 2]) -> f32 {
         const SHARE_IN_VIEW: f32 = 0.276;
         const SURFELS_PER_DISC: f32 = 8.5;
+        const SLOTS_PER_RAY: f32 = 0.65536;
         const LEAST: f32 = 1.0;
         if self.radius > 0.0 {
             return self.radius.max(LEAST);
         }
         let pixels = size[0] as f32 * size[1] as f32;
-        let surfels = self.surfels as f32 * SHARE_IN_VIEW;
+        let fed = (self.rays as f32 * SLOTS_PER_RAY).min(self.surfels as f32);
+        let surfels = fed * SHARE_IN_VIEW;
         let fitting = (SURFELS_PER_DISC * pixels / (surfels * std::f32::consts::PI)).sqrt();
         fitting.clamp(LEAST, 16.0)
     }
