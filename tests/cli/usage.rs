@@ -111,7 +111,8 @@ fn bad_backends_and_settings_list_what_there_is() {
     );
 }
 
-/// What settings leave no light of is said by every command that renders, and so is what an option does not change.
+/// Settings that leave no light are warned of by the commands that report nothing of rays and surfels beforehand, and so is an option
+/// that changes nothing.
 #[test]
 fn what_makes_no_difference_or_no_light_is_said() {
     let says = |args: &[&str], part: &str| {
