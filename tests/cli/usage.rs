@@ -111,8 +111,7 @@ fn bad_backends_and_settings_list_what_there_is() {
     );
 }
 
-/// Settings that leave no light are warned of by the commands that report nothing of rays and surfels beforehand, and so is an option
-/// that changes nothing.
+/// `stress` and `roam` warn of settings that leave no light, as `render` does, and every command of an option that changes nothing.
 #[test]
 fn what_makes_no_difference_or_no_light_is_said() {
     let says = |args: &[&str], part: &str| {
