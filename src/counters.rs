@@ -14,6 +14,8 @@ pub struct Counters {
     pub recycled: u32,
     /// Births that found no free slot since the start, wrapping: raise the setting `surfels`.
     pub starved: u32,
+    /// Births that cells refused in the last frame, whose lists are as long as a lookup: raise the setting `lookup`.
+    pub crowded: u32,
     /// Entries that did not fit the lists of the grid's cells, in the last frame: raise the setting `grid_lists`.
     pub overflow: u32,
     /// Rays of the last frame, from surfels.

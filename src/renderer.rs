@@ -373,6 +373,7 @@ impl Renderer {
             born: surfels.born,
             recycled: surfels.recycled,
             starved: surfels.starved,
+            crowded: self.only("crowded")?,
             overflow: self.only("overflow")?,
             rays: self.only::<DispatchArgs>("rays")?.count,
             slot_errors: match slot_errors {

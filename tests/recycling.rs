@@ -228,8 +228,8 @@ fn radii_keep_their_size_on_the_screen() {
     }
 }
 
-/// Surfels that a lookup does not visit cover nothing: where its list is full, a cell takes no more, and the number of
-/// surfels stays put.
+/// Surfels that a lookup does not visit cover nothing: where its list is full, a cell takes no more, the births that it
+/// refuses are counted, and the number of surfels stays put.
 #[test]
 fn a_full_cell_takes_no_more() {
     let (scene, view) = builtin::by_name("cornell").expect("built in");
@@ -242,19 +242,22 @@ fn a_full_cell_takes_no_more() {
     for backend in all_backends() {
         let mut renderer =
             Renderer::new(backend.as_ref(), &scene, &view, [96, 96], &settings, 0).expect("one");
-        let mut counts = [0; 2];
+        let (mut counts, mut refused) = ([0; 2], Vec::new());
         for count in &mut counts {
             for _ in 0..80 {
                 renderer.frame().expect("a frame");
             }
-            *count = renderer.counters().expect("counters").live;
+            let counters = renderer.counters().expect("counters");
+            assert!(counters.crowded > 0, "{counters:?}");
+            *count = counters.live;
+            refused.push(counters.crowded);
         }
-        println!("{}: {counts:?} live", backend.name());
+        println!("{}: {counts:?} live, {refused:?} refused", backend.name());
         assert!(
             counts[0] > 100 && counts[1] * 100 < counts[0] * 103,
             "{counts:?}"
         );
-        live.push(counts);
+        live.push((counts, refused));
     }
     assert!(live.windows(2).all(|pair| pair[0] == pair[1]), "{live:?}");
 }

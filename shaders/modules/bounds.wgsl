@@ -1,14 +1,14 @@
 // Bounds of surfels in the grid's lists: one word each, from which a lookup tells, without loading the surfel, that it is
-// too far from a point. Where the centre is in steps of a 128th of the cells' width, modulo 512 along each axis, and the
-// radius in pairs of steps. Surfels far off may pass for near ones, never the other way round.
+// too far from a point. Where the centre is in steps of a 128th of the cells' width, modulo 256 along each axis, and the
+// radius in steps, a byte each. Surfels far off may pass for near ones, never the other way round.
 import package::types::GridShape;
 
 /// Steps across a cell.
 const BOUNDS_STEPS: f32 = 128.0;
 /// Bits of a coordinate.
-const BOUNDS_BITS: u32 = 9u;
-/// Radius of surfels that always pass.
-const BOUNDS_ALWAYS: u32 = 31u;
+const BOUNDS_BITS: u32 = 8u;
+/// Steps that are as good as any more: surfels that reach so far always pass.
+const BOUNDS_FAR: u32 = 127u;
 /// Steps that rounding can add to a distance.
 const BOUNDS_MARGIN: u32 = 2u;
 /// Farthest coordinate that is told apart from its neighbours, steps.
@@ -37,20 +37,22 @@ fn bounds_place(from_centre: vec3<f32>, steps: f32) -> u32 {
 
 /// The bounds of a surfel in the list of a cell.
 fn bounds_pack(from_centre: vec3<f32>, radius: f32, steps: f32) -> u32 {
-    let pairs = u32(min(radius * steps * 0.5, f32(BOUNDS_ALWAYS) - 1.0)) + 1u;
+    let within = u32(min(radius * steps, f32(BOUNDS_FAR) - 1.0)) + 1u;
     let a = abs(from_centre);
     let far = max(max(a.x, a.y), a.z) * steps > BOUNDS_FARTHEST;
-    return bounds_place(from_centre, steps) | (select(pairs, BOUNDS_ALWAYS, far) << (3u * BOUNDS_BITS));
+    return bounds_place(from_centre, steps) | (select(within, BOUNDS_FAR, far) << (3u * BOUNDS_BITS));
 }
 
 /// Whether a surfel may reach a point with `reach` times its radius. False only where it does not.
 fn bounds_may_reach(bounds: u32, place: u32, reach: u32) -> bool {
     let above = 32u - BOUNDS_BITS;
     let shifts = vec3<u32>(above, above - BOUNDS_BITS, above - 2u * BOUNDS_BITS);
-    // What lies below a coordinate does not change it: the shift to the right rounds down.
-    let lower = (vec3<u32>(place) << shifts) & vec3<u32>(~((1u << above) - 1u));
-    let d = bitcast<vec3<i32>>((vec3<u32>(bounds) << shifts) - lower) >> vec3<u32>(above);
-    let pairs = bounds >> (3u * BOUNDS_BITS);
-    let most = i32(pairs * 2u * reach + BOUNDS_MARGIN);
-    return pairs == BOUNDS_ALWAYS || d.x * d.x + d.y * d.y + d.z * d.z <= most * most;
+    // What lies below a coordinate is cut off from both, so that the shift to the right is exact.
+    let highest = vec3<u32>(~((1u << above) - 1u));
+    let lower = (vec3<u32>(place) << shifts) & highest;
+    let upper = (vec3<u32>(bounds) << shifts) & highest;
+    let apart = abs(bitcast<vec3<i32>>(upper - lower) >> vec3<u32>(above));
+    let d = min(vec3<u32>(apart), vec3<u32>(BOUNDS_FAR));
+    let most = min((bounds >> (3u * BOUNDS_BITS)) * reach + BOUNDS_MARGIN, BOUNDS_FAR);
+    return most == BOUNDS_FAR || d.x * d.x + d.y * d.y + d.z * d.z <= most * most;
 }

@@ -10,7 +10,7 @@ import package::surface::surface_is_surface;
 import package::surfel::surfel_radius_at;
 import package::upsample::upsample_pixel_of;
 import package::vector::vector_dot;
-import package::types::{Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings};
+import package::types::{CROWDED, Camera, F32_MAX, Frame, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> frame: Frame;
@@ -40,6 +40,9 @@ const FINE: f32 = 0.5;
 /// Per quarter of a tile: coverage over twice the wanted one in bits 16-31, a hash that breaks ties in bits 10-15, which of the texel's pixels
 /// in bits 8-9, the lane in bits 0-7.
 var<workgroup> least: array<atomic<u32>, 256>;
+
+/// Per quarter of a tile: a crowded cell has a hole there.
+var<workgroup> crowded: array<atomic<u32>, 256>;
 
 /// A pixel sees a surfel.
 fn coverage_seen(id: u32) {
@@ -76,7 +79,11 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, part: u32) -> bool {
     // A cell is full whose list is as long as a lookup, or did not fit. What is covered amply bears none anyway.
     if share < 1.0 {
         let cell = cells[grid_cell(point.position, grid)];
-        if cell.y >= settings.lookup || cell.x == LOOKUP_DROPPED {
+        let is_crowded = cell.y >= settings.lookup;
+        if is_crowded && share * AMPLE < HOLE {
+            atomicStore(&crowded[within], 1u);
+        }
+        if is_crowded || cell.x == LOOKUP_DROPPED {
             return false;
         }
     }
@@ -125,6 +132,7 @@ fn main(
     let side = GROUP / across;
     let first = invocation_group(group, groups) * across * across;
     atomicStore(&least[lane], NONE);
+    atomicStore(&crowded[lane], 0u);
     workgroupBarrier();
     let here = texel(group, lane);
     let within = lane / GROUP / side * across + lane % GROUP / side;
@@ -151,6 +159,7 @@ fn main(
             is_wanted = is_fine(points[pixel_at(group, chosen)].position);
         }
     }
-    candidates[first + lane] = select(NONE, pixel_at(group, own), is_wanted);
+    let refused = select(NONE, CROWDED, atomicLoad(&crowded[lane]) != 0u);
+    candidates[first + lane] = select(refused, pixel_at(group, own), is_wanted);
     flags[first + lane] = select(0u, 1u, is_wanted);
 }

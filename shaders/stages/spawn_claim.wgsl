@@ -1,8 +1,8 @@
 // A free slot for each birth, from the stack, by rank. Where there are too few slots, the rank that is
-// served first is drawn anew each frame.
+// served first is drawn anew each frame. Counts the births that crowded cells refused.
 import package::hash::hash_hash2;
 import package::invocation::invocation_index;
-import package::types::{Frame, NONE, SurfelCounters, SurfelSettings};
+import package::types::{CROWDED, Frame, NONE, SurfelCounters, SurfelSettings};
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> settings: SurfelSettings;
@@ -12,6 +12,7 @@ import package::types::{Frame, NONE, SurfelCounters, SurfelSettings};
 @group(0) @binding(5) var<storage, read> counters: array<SurfelCounters>;
 @group(0) @binding(6) var<storage, read> free_slots: array<u32>;
 @group(0) @binding(7) var<storage, read_write> claims: array<vec2<u32>>;
+@group(0) @binding(8) var<storage, read_write> crowded: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -29,7 +30,9 @@ fn main(
     let rank = (ranks[tile] + first) % wanted;
     var claim = vec2<u32>(NONE, NONE);
     let slot = counters[0].live + rank;
-    if candidate != NONE && slot < settings.capacity {
+    if candidate == CROWDED {
+        atomicAdd(&crowded[0], 1u);
+    } else if candidate != NONE && slot < settings.capacity {
         claim = vec2<u32>(free_slots[slot], candidate);
     }
     claims[tile] = claim;

@@ -52,6 +52,8 @@ struct Summary {
     frames: u32,
     surfels: u32,
     surfels_without_slot: u32,
+    /// Births that crowded cells refused in the last frame.
+    crowded: u32,
     grid_overflow: u32,
     /// Slots lost or given twice after the last frame; none without `check_slots`.
     slot_errors: Option<u32>,
@@ -185,6 +187,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         frames: args.frames,
         surfels: counters.live,
         surfels_without_slot: counters.starved,
+        crowded: counters.crowded,
         grid_overflow: counters.overflow,
         slot_errors: counters.slot_errors,
         clamped: counters.clamped,

@@ -175,12 +175,13 @@ fn table(flight: &Flight, args: &Args) -> String {
         median_of(&|row| Some(row.frame.ms)),
     );
     text += &format!(
-        "surfels: most live {} of {}; {} births, {} recycled, {} starved; {} entries beyond the grid; {} slot errors\n",
+        "surfels: most live {} of {}; {} births, {} recycled, {} starved, {} refused by crowded cells; {} entries beyond the grid; {} slot errors\n",
         totals.most_live,
         totals.surfels,
         totals.births,
         totals.recycled,
         totals.starved,
+        totals.crowded,
         totals.grid_overflow,
         totals.slot_errors,
     );

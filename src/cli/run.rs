@@ -52,6 +52,8 @@ pub(super) struct Totals {
     pub births: u64,
     pub recycled: u64,
     pub starved: u64,
+    /// Births that crowded cells refused, over all frames, so that one that waits counts in each.
+    pub crowded: u64,
     pub grid_overflow: u64,
     /// Over all frames, so that one that lasts counts in each.
     pub slot_errors: u64,
@@ -68,6 +70,7 @@ impl Totals {
             totals.births += u64::from(row.births);
             totals.recycled += u64::from(row.recycled);
             totals.starved += u64::from(row.starved);
+            totals.crowded += u64::from(row.crowded);
             totals.grid_overflow += u64::from(row.grid_overflow);
             totals.slot_errors += u64::from(row.slot_errors.unwrap_or_default());
         }
@@ -76,7 +79,7 @@ impl Totals {
 
     /// Says what ran out, and fails where slots are wrong.
     pub fn judge(&self) -> Result<(), CommandError> {
-        warn_shortage(self.surfels, self.starved, self.grid_overflow);
+        warn_shortage(self.surfels, self.starved, self.crowded, self.grid_overflow);
         match self.slot_errors {
             0 => Ok(()),
             errors => Err(CommandError::Slots { errors }),
@@ -85,10 +88,15 @@ impl Totals {
 }
 
 /// Warns of what ran out, with the setting to raise.
-pub(super) fn warn_shortage(surfels: u32, starved: u64, overflow: u64) {
+pub(super) fn warn_shortage(surfels: u32, starved: u64, crowded: u64, overflow: u64) {
     // Who asked for none wants none.
     if starved > 0 && surfels > 0 {
         warning!("{starved} births found no free surfel; raise `surfels`");
+    }
+    if crowded > 0 {
+        warning!(
+            "{crowded} births were refused by cells whose lists are as long as a lookup; raise `lookup`"
+        );
     }
     if overflow > 0 {
         warning!("{overflow} entries did not fit the grid; raise `grid_lists`");
@@ -109,5 +117,7 @@ pub(super) fn title(args: &SceneArgs) -> String {
 
 /// As [`warn_shortage`], of the counters of a renderer.
 pub(super) fn warn_of(surfels: u32, counters: &Counters) {
-    warn_shortage(surfels, counters.starved.into(), counters.overflow.into());
+    let [starved, crowded, overflow] =
+        [counters.starved, counters.crowded, counters.overflow].map(u64::from);
+    warn_shortage(surfels, starved, crowded, overflow);
 }

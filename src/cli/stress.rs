@@ -191,8 +191,13 @@ fn table(run: &Run, args: &Args) -> String {
     };
     let totals = &run.totals;
     text += &format!(
-        "{} births, {} starved; most live {} of {}; {} slot errors\n",
-        totals.births, totals.starved, totals.most_live, totals.surfels, totals.slot_errors
+        "{} births, {} starved, {} refused by crowded cells; most live {} of {}; {} slot errors\n",
+        totals.births,
+        totals.starved,
+        totals.crowded,
+        totals.most_live,
+        totals.surfels,
+        totals.slot_errors
     );
     text += "\n frames      error    MAPE    live  births  frame ms";
     for group in &run.stress.groups {

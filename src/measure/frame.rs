@@ -21,6 +21,8 @@ pub struct FrameRow {
     pub recycled: u32,
     /// Births in it that found no free slot.
     pub starved: u32,
+    /// Births in it that crowded cells refused.
+    pub crowded: u32,
     /// Entries that did not fit the grid's lists.
     pub grid_overflow: u32,
     /// Slots lost or given twice; `None` without the setting `check_slots`.
@@ -98,6 +100,7 @@ impl FrameMeter {
             births: now.born.wrapping_sub(before.born),
             recycled: now.recycled.wrapping_sub(before.recycled),
             starved: now.starved.wrapping_sub(before.starved),
+            crowded: now.crowded,
             grid_overflow: now.overflow,
             slot_errors: now.slot_errors,
             rays: now.rays,

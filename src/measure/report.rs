@@ -21,6 +21,7 @@ pub fn csv<'a>(
         "births",
         "recycled",
         "starved",
+        "crowded",
         "grid_overflow",
         "slot_errors",
         "rays",
@@ -42,6 +43,7 @@ pub fn csv<'a>(
             row.births,
             row.recycled,
             row.starved,
+            row.crowded,
             row.grid_overflow,
         ];
         cells.extend(counts.map(|count| count.to_string()));

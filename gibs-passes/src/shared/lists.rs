@@ -67,12 +67,17 @@ impl<'a> Surfels<'a> {
         }
     }
 
-    /// Whether a cell takes no more surfels: its list is as long as a lookup, or did not fit. Of more, each would be visited
-    /// less often, and their number would never settle.
+    /// Whether a cell takes no more surfels: it is [crowded](Self::is_crowded), or its list did not fit.
     #[inline]
     pub fn is_full(&self, point: Vec3) -> bool {
-        let cell = self.cells[grid::cell(point, self.grid) as usize];
-        cell.y >= self.settings.lookup || cell == DROPPED
+        self.is_crowded(point) || self.cells[grid::cell(point, self.grid) as usize] == DROPPED
+    }
+
+    /// Whether a cell's list is as long as a lookup. Of more surfels, each would be visited less often, and their number would
+    /// never settle.
+    #[inline]
+    pub fn is_crowded(&self, point: Vec3) -> bool {
+        self.cells[grid::cell(point, self.grid) as usize].y >= self.settings.lookup
     }
 
     /// [`Surfels::around`] for several points at a time, of which `position` tells where they are, and nothing where

@@ -230,7 +230,13 @@ pub fn columns<const FIRST: usize, T: Pod>(elements: &[&T; 8]) -> [__m256; 4] {
     ])
 }
 
-/// [`columns`] of elements of which all are the first where `same` says so. Most scenes have few instances, of which neighbours hit the same.
+/// All elements are the same one: neighbours mostly hit one instance, of one material.
+#[inline(always)]
+pub fn all_same<T>(elements: &[&T; 8]) -> bool {
+    elements.iter().all(|&e| std::ptr::eq(e, elements[0]))
+}
+
+/// [`columns`] of elements of which all are the first where `same` says so.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn columns_where<const FIRST: usize, T: Pod>(elements: &[&T; 8], same: bool) -> [__m256; 4] {

@@ -16,7 +16,8 @@ stage! {
     /// Coverage is the summed weight of apply. Surfels that cover a pixel are seen: `unseen`, the frames since that, starts
     /// over. A workgroup has one tile of 16x16 texels, or several smaller ones. Where a texel is more than a pixel, one of
     /// its pixels stands for it, another each frame; but where that is not amply covered all of them are looked at, so that
-    /// the least covered one does not wait for its turn while the camera moves on. A cell that is full gets none.
+    /// the least covered one does not wait for its turn while the camera moves on. A cell that is full gets none: where one that
+    /// is crowded has a hole, and the quarter of the tile gets no surfel elsewhere, the candidate is [`CROWDED`].
     pub stage GapFill {
         wgsl: gibs_shaders::stages::GAP_FILL,
         workgroup: [16, 16, 1],
@@ -38,6 +39,9 @@ stage! {
         wide: Some(wide_kernel),
     }
 }
+
+/// In place of a pixel: a birth that a crowded cell refused.
+pub const CROWDED: u32 = NONE - 1;
 
 /// Side of a workgroup, texels: that of the largest tile.
 pub const GROUP: u32 = 16;
@@ -106,6 +110,7 @@ fn fill(
     let side = GROUP / across;
     let first = group.linear() * across * across;
     let mut least = [NONE; MOST_PARTS];
+    let mut crowded = [false; MOST_PARTS];
     let frame = hash::hash2(number, p.frame.seed);
     let within = |lane: u32| lane / GROUP / side * across + lane % GROUP / side;
     let texel = |lane: u32| {
@@ -138,6 +143,9 @@ fn fill(
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
             let candidate = (((share * 65_534.0) as u32) << 16) | (tie << 10) | place;
+            if is_hole(share) && surfels.is_crowded(point.position) {
+                crowded[within(lane) as usize] = true;
+            }
             let least = &mut least[within(lane) as usize];
             // What is covered amply bears none anyway.
             if candidate < *least && (share == 1.0 || !surfels.is_full(point.position)) {
@@ -184,11 +192,21 @@ fn fill(
         } else {
             share(own) < HOLE && is_fine(p, &surfels, &p.points[at(chosen) as usize])
         };
+        let candidate = match (is_wanted, crowded[part as usize]) {
+            (true, _) => at(own),
+            (false, true) => CROWDED,
+            (false, false) => NONE,
+        };
         let part = (first + part) as usize;
-        p.candidates
-            .set(part, if is_wanted { at(own) } else { NONE });
+        p.candidates.set(part, candidate);
         p.flags.set(part, u32::from(is_wanted));
     }
+}
+
+/// A coverage, over what is ample, at which a birth is certain.
+#[inline]
+fn is_hole(share: f32) -> bool {
+    share * AMPLE < HOLE
 }
 
 /// Whether a surfel within reach of a point, as far as it would be in the open, is smaller than that by [`FINE`].

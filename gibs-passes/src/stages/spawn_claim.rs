@@ -1,4 +1,5 @@
 //! `spawn/spawn_claim`: a free slot for each birth (S4).
+use super::gap_fill::CROWDED;
 use crate::data::{Frame, NONE, SurfelCounters, SurfelSettings};
 use crate::shared::hash;
 use gibs_graph::{Workgroup, stage};
@@ -7,7 +8,8 @@ use glam::UVec2;
 stage! {
     /// Pops the free stack for each quarter of a tile with a candidate, by rank, so that no race decides; where there are too few
     /// slots, the rank that is served first is drawn anew each frame, so that no part of the picture starves. `claims`
-    /// is (slot, texel); the slot is `NONE` where no surfel is born or none is free.
+    /// is (slot, texel); the slot is `NONE` where no surfel is born or none is free. Counts the births that crowded cells
+    /// refused.
     pub stage SpawnClaim {
         wgsl: gibs_shaders::stages::SPAWN_CLAIM,
         workgroup: [64, 1, 1],
@@ -20,6 +22,7 @@ stage! {
             read counters: SurfelCounters,
             read free_slots: u32,
             write claims: UVec2,
+            atomic crowded: u32,
         },
         cpu: kernel,
         wide: None,
@@ -32,7 +35,11 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let first = hash::hash2(p.frame.number, p.frame.seed) % p.total[0].max(1);
         let rank = (p.ranks[tile] + first) % p.total[0].max(1);
         let slot = p.counters[0].live as usize + rank as usize;
-        let claim = if candidate != NONE && slot < p.settings.capacity as usize {
+        let is_birth = candidate != NONE && candidate != CROWDED;
+        if candidate == CROWDED {
+            p.crowded.add(0, 1);
+        }
+        let claim = if is_birth && slot < p.settings.capacity as usize {
             UVec2::new(p.free_slots[slot], candidate)
         } else {
             UVec2::new(NONE, NONE)

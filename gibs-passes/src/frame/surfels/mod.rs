@@ -191,7 +191,7 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many surfels send), `rays_1`, `rays_2` and so on
-/// (how many paths go on beyond a hit for the first, the second time), `counters` and `overflow`; with `check_slots`,
+/// (how many paths go on beyond a hit for the first, the second time), `counters`, `crowded` (births that crowded cells refused) and `overflow`; with `check_slots`,
 /// `slot_errors`; with the firefly clamp, `clamped`; with queries also
 /// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
 /// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on
@@ -226,7 +226,11 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         .and_then(|view| debug::surfel_values(g, view, &scene, &device_settings, &surfels, None));
 
     // Spawn, before rays are traced, so that new surfels have theirs in the same frame
-    let (surfels, counters_last, claims) = spawn::spawn_surfels(
+    let counts = spawn::Counts {
+        counters: slots.counters,
+        crowded: g.zeroed("crowded", 1),
+    };
+    let (surfels, counts, claims) = spawn::spawn_surfels(
         g,
         &scene,
         &grid,
@@ -234,7 +238,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         surfels,
         frame,
         &seen.points,
-        slots.counters,
+        counts,
         &slots.free,
     );
     let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &claims);
@@ -254,9 +258,9 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     });
 
     // These have no rays yet, so that nobody asks for them before the lists are built again.
-    let (surfels, counters_last) = match hit_gaps {
+    let (surfels, counts) = match hit_gaps {
         Some(gaps) => {
-            let (surfels, counters, _) = spawn::bear(
+            let (surfels, counts, _) = spawn::bear(
                 g,
                 &scene,
                 &grid,
@@ -265,12 +269,12 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
                 "spawn/hit",
                 &gaps.wanted,
                 &gaps.points,
-                counters_last,
+                counts,
                 &slots.free,
             );
-            (surfels, counters)
+            (surfels, counts)
         }
-        None => (surfels, counters_last),
+        None => (surfels, counts),
     };
 
     // Apply
@@ -310,12 +314,13 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     }
     if settings.check_slots {
         let free = &slots.free;
-        check::check_slots(g, &device_settings, &surfels, &counters_last, free);
+        check::check_slots(g, &device_settings, &surfels, &counts.counters, free);
     }
-    g.output("counters", &counters_last);
+    g.output("counters", &counts.counters);
+    g.output("crowded", &counts.crowded);
     g.output("overflow", &grid.overflow);
     surfels.keep(g, states);
-    g.keep(counters.0, counters_last);
+    g.keep(counters.0, counts.counters);
     g.keep(free_slots.0, slots.free);
     SurfelOutputs {
         scene,

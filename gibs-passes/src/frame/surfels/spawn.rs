@@ -16,9 +16,9 @@ pub(super) fn spawn_surfels(
     surfels: Surfels,
     frame: &SurfelFrame,
     points: &Buffer<SurfacePoint>,
-    counters: Buffer<SurfelCounters>,
+    counts: Counts,
     free_slots: &Buffer<u32>,
-) -> (Surfels, Buffer<SurfelCounters>, Buffer<UVec2>) {
+) -> (Surfels, Counts, Buffer<UVec2>) {
     let groups = frame
         .size
         .map(|side| side.div_ceil(gap_fill::GROUP * frame.settings.stride()));
@@ -53,8 +53,15 @@ pub(super) fn spawn_surfels(
         flags: found.flags,
     };
     bear(
-        g, scene, grid, settings, surfels, "spawn", &wanted, points, counters, free_slots,
+        g, scene, grid, settings, surfels, "spawn", &wanted, points, counts, free_slots,
     )
+}
+
+/// What is counted of the slots and of births.
+pub(super) struct Counts {
+    pub counters: Buffer<SurfelCounters>,
+    /// Births that crowded cells refused.
+    pub crowded: Buffer<u32>,
 }
 
 /// Where surfels are to be born.
@@ -74,28 +81,29 @@ pub(super) fn bear(
     label: &str,
     wanted: &Wanted,
     points: &Buffer<SurfacePoint>,
-    counters: Buffer<SurfelCounters>,
+    counts: Counts,
     free_slots: &Buffer<u32>,
-) -> (Surfels, Buffer<SurfelCounters>, Buffer<UVec2>) {
+) -> (Surfels, Counts, Buffer<UVec2>) {
     let places = wanted.flags.len();
     let (ranks, total) = exclusive_scan(g, &format!("{label}/rank"), &wanted.flags);
     let claims = g.transient(&format!("{label}_claims"), places);
-    let claims = g
-        .add::<spawn_claim::SpawnClaim>(
-            &format!("{label}/claim"),
-            spawn_claim::Inputs {
-                frame: &scene.frame,
-                settings,
-                candidates: &wanted.candidates,
-                ranks: &ranks,
-                total: &total,
-                counters: &counters,
-                free_slots,
-                claims,
-            },
-            Dispatch::Elements(places),
-        )
-        .claims;
+    let Counts { counters, crowded } = counts;
+    let claimed = g.add::<spawn_claim::SpawnClaim>(
+        &format!("{label}/claim"),
+        spawn_claim::Inputs {
+            frame: &scene.frame,
+            settings,
+            candidates: &wanted.candidates,
+            ranks: &ranks,
+            total: &total,
+            counters: &counters,
+            free_slots,
+            claims,
+            crowded,
+        },
+        Dispatch::Elements(places),
+    );
+    let (claims, crowded) = (claimed.claims, claimed.crowded);
     let inputs = spawn_commit::Inputs {
         settings,
         total: &total,
@@ -132,5 +140,5 @@ pub(super) fn bear(
         depths: written.depths,
         ..surfels
     };
-    (surfels, counters, claims)
+    (surfels, Counts { counters, crowded }, claims)
 }

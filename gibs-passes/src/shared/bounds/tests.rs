@@ -74,24 +74,47 @@ fn most_others_are_refused() {
 #[test]
 fn what_cannot_be_told_always_passes() {
     for (from_centre, radius) in [
-        (Vec3::ZERO, 61.0),
+        (Vec3::ZERO, 126.0),
         (Vec3::ZERO, f32::INFINITY),
         (Vec3::X * 300_000.0, 1.0),
     ] {
         let bounds = pack(from_centre, radius, 1.0);
-        assert_eq!(bounds >> RADIUS_AT, ALWAYS);
-        assert!(may_reach(bounds, place(Vec3::splat(200.0), 1.0), 1));
+        assert_eq!(bounds >> RADIUS_AT, FAR);
+        assert!(may_reach(bounds, place(Vec3::splat(128.0), 1.0), 1));
     }
-    assert!(pack(Vec3::ZERO, 59.0, 1.0) >> RADIUS_AT < ALWAYS);
+    let large = pack(Vec3::ZERO, 123.9, 1.0);
+    assert!(large >> RADIUS_AT < FAR);
+    assert!(!may_reach(large, place(Vec3::splat(128.0), 1.0), 1));
+    // Twice its radius is more than can be told.
+    assert!(may_reach(large, place(Vec3::splat(128.0), 1.0), 2));
+}
+
+/// Every pair of bytes along an axis: the true difference where it is short, at most as much where it is not.
+#[test]
+fn differences_of_bytes_are_never_too_long() {
+    for surfel in 0..256 {
+        for point in 0..256 {
+            for radius in [1, 60, 124, FAR] {
+                for axis in 0..3 {
+                    let bounds = surfel << (axis * BITS) | radius << RADIUS_AT;
+                    let apart = (surfel as i32 - point as i32).rem_euclid(256);
+                    let shortest = apart.min(256 - apart) as u32;
+                    let expected = radius + MARGIN >= FAR || shortest <= radius + MARGIN;
+                    let may = may_reach(bounds, point << (axis * BITS), 1);
+                    assert_eq!(may, expected, "{surfel} {point} {radius} {axis}");
+                }
+            }
+        }
+    }
 }
 
 /// Rounding down, negative numbers and large ones included.
 #[test]
-fn steps_are_floors_modulo_512() {
+fn steps_are_floors_modulo_256() {
     for x in [
-        -1e6f32, -513.0, -512.5, -0.5, -0.0, 0.0, 0.5, 511.9, 512.0, 1e6,
+        -1e6f32, -257.0, -256.5, -0.5, -0.0, 0.0, 0.5, 255.9, 256.0, 1e6,
     ] {
-        let floor = (f64::from(x).floor() as i64).rem_euclid(512) as u32;
+        let floor = (f64::from(x).floor() as i64).rem_euclid(256) as u32;
         assert_eq!(place(Vec3::new(x, 0.0, 0.0), 1.0), floor, "{x}");
     }
 }

@@ -25,17 +25,23 @@ pub struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    /// Finds the lists. What one step needs of memory is asked for at all points before the next step.
-    #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    pub fn new(points: &Points<'_>, s: &Surfels<'a>) -> Self {
-        let mut batch = Batch {
+    /// No points.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Batch {
             points: [SurfelPose::default(); AT_A_TIME],
             lists: [List::default(); AT_A_TIME],
-        };
+        }
+    }
+
+    /// Finds the lists of points, in place: a batch is large to move. What one step needs of memory is
+    /// asked for at all points before the next step.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    pub fn find(&mut self, points: &Points<'_>, s: &Surfels<'a>) {
         let zero = _mm256_setzero_ps();
         let mut cells = [0; AT_A_TIME];
-        let (eights, _) = batch.points.as_chunks_mut::<8>();
+        let (eights, _) = self.points.as_chunks_mut::<8>();
         for (poses, start) in eights.iter_mut().zip((0..AT_A_TIME).step_by(8)) {
             // Where there is no point, any will do: its list stays empty.
             let eight: [&SurfacePoint; 8] =
@@ -47,11 +53,11 @@ impl<'a> Batch<'a> {
             let found = Cells::of(&[x, y, z], s.grid);
             for lane in 0..8 {
                 cells[start + lane] = found.cell[lane];
-                batch.lists[start + lane].place = found.place[lane];
+                self.lists[start + lane].place = found.place[lane];
                 prefetch(s.cells, found.cell[lane] as usize);
             }
         }
-        for ((list, &cell), point) in batch.lists.iter_mut().zip(&cells).zip(points) {
+        for ((list, &cell), point) in self.lists.iter_mut().zip(&cells).zip(points) {
             if point.is_some() {
                 *list = s.list(cell, list.place);
                 for line in (0..list.ids.len().min(LINES * PER_LINE)).step_by(PER_LINE) {
@@ -60,6 +66,5 @@ impl<'a> Batch<'a> {
                 }
             }
         }
-        batch
     }
 }

@@ -2,62 +2,124 @@
 #![allow(unsafe_code)]
 use std::arch::x86_64::*;
 
-use crate::shared::bounds::{ALWAYS, BITS, MARGIN, RADIUS_AT};
+use crate::shared::bounds::{FAR, MARGIN, RADIUS_AT};
 
-/// Where bounds are compared with: a point, and how many times their radii surfels reach.
-pub struct Point {
-    /// Coordinates in the highest bits.
-    at: [__m256i; 3],
-    /// Steps for each pair of steps of a radius.
-    reach: __m256i,
+const RADIUS: i32 = RADIUS_AT as i32;
+
+/// A bit for each surfel that may reach a point, of which all lanes have the place.
+///
+/// # Safety
+/// Inlined into functions for processors with AVX2 only.
+#[inline(always)]
+pub unsafe fn may_reach(bounds: __m256i, place: __m256i) -> u32 {
+    // SAFETY: the caller is compiled for AVX2.
+    unsafe {
+        let margin = _mm256_set1_epi32((MARGIN << RADIUS_AT) as i32);
+        within(_mm256_add_epi8(apart(bounds, place), margin))
+    }
 }
 
-/// Bits above a coordinate, where it is shifted to.
-const ABOVE: i32 = 32 - BITS as i32;
+/// [`may_reach`] with a multiple of the radius.
+///
+/// # Safety
+/// As [`may_reach`].
+#[inline(always)]
+pub unsafe fn may_reach_times(bounds: __m256i, place: __m256i, reach: u32) -> u32 {
+    // SAFETY: the caller is compiled for AVX2.
+    unsafe {
+        let radius = _mm256_srli_epi32::<RADIUS>(bounds);
+        let most = _mm256_add_epi32(
+            _mm256_mullo_epi32(radius, _mm256_set1_epi32(reach as i32)),
+            _mm256_set1_epi32(MARGIN as i32),
+        );
+        let most = _mm256_min_epu32(most, _mm256_set1_epi32(FAR as i32));
+        let coordinates = _mm256_set1_epi32((1 << RADIUS_AT) - 1);
+        let apart = _mm256_and_si256(apart(bounds, place), coordinates);
+        within(_mm256_or_si256(apart, _mm256_slli_epi32::<RADIUS>(most)))
+    }
+}
 
-impl Point {
-    /// # Safety
-    /// Inlined into functions for processors with AVX2 only.
-    #[inline(always)]
-    pub unsafe fn new(place: u32, reach: u32) -> Self {
-        // SAFETY: the caller is compiled for AVX2.
-        unsafe {
-            let highest = |i: u32| _mm256_set1_epi32(((place >> (i * BITS)) << ABOVE) as i32);
-            Self {
-                at: [highest(0), highest(1), highest(2)],
-                reach: _mm256_set1_epi32(2 * reach as i32),
+/// Magnitudes of differences, a byte each, and the radius in the highest.
+///
+/// # Safety
+/// As [`may_reach`].
+#[inline(always)]
+unsafe fn apart(bounds: __m256i, place: __m256i) -> __m256i {
+    // SAFETY: the caller is compiled for AVX2.
+    unsafe { _mm256_abs_epi8(_mm256_sub_epi8(bounds, place)) }
+}
+
+/// The sum of the squares of three bytes is at most that of the highest one, or that is as good as any.
+///
+/// # Safety
+/// As [`may_reach`].
+#[inline(always)]
+unsafe fn within(bytes: __m256i) -> u32 {
+    // SAFETY: the caller is compiled for AVX2.
+    unsafe {
+        // 128 becomes 127 as well: the signed bytes of the products have no more.
+        let bytes = _mm256_min_epu8(bytes, _mm256_set1_epi8(FAR as i8));
+        let always = _mm256_cmpgt_epi32(bytes, _mm256_set1_epi32(((FAR << RADIUS_AT) - 1) as i32));
+        let signs = _mm256_set1_epi32(i32::from_le_bytes([1, 1, 1, -1i8 as u8]));
+        let pairs = _mm256_maddubs_epi16(bytes, _mm256_sign_epi8(bytes, signs));
+        let over = _mm256_madd_epi16(pairs, _mm256_set1_epi16(1));
+        let inside = _mm256_cmpgt_epi32(_mm256_set1_epi32(1), over);
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(inside, always))) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shared::{bounds, hash};
+    use crate::simd::Avx2;
+
+    /// All bytes of an axis against all, at radii up to the largest, and words at random.
+    #[test]
+    fn eight_bounds_are_compared_as_each_is() {
+        let Some(avx2) = Avx2::detect() else {
+            eprintln!("not run: this processor has no AVX2");
+            return;
+        };
+        let whole = (1u32 << RADIUS_AT) - 1;
+        let cases = (0..3 * 65_536u32).map(|i| {
+            let (axis, byte, radius) = (i >> 16, i & 255, (i >> 8) & 127);
+            (
+                byte << (8 * axis) | radius.max(1) << RADIUS_AT,
+                hash::hash2(i, 0) & whole,
+            )
+        });
+        let cases = cases.chain((0..65_536).map(|i| {
+            let surfel = hash::hash2(i, 1);
+            let near = hash::hash2(i, 2) & 0x003f_3f3f;
+            let place = (surfel & whole).wrapping_add(near) & whole;
+            let radius = (surfel >> RADIUS_AT & 127).max(1);
+            (surfel & whole | radius << RADIUS_AT, place)
+        }));
+        let mut passed = 0;
+        for (surfel, place) in cases {
+            for reach in [1, 2, 3] {
+                // SAFETY: both run where there is AVX2, as the proof says.
+                let found = avx2.run(
+                    #[inline(always)]
+                    || unsafe {
+                        let (bounds, at) = (
+                            _mm256_set1_epi32(surfel as i32),
+                            _mm256_set1_epi32(place as i32),
+                        );
+                        match reach {
+                            1 => [may_reach(bounds, at), may_reach_times(bounds, at, 1)],
+                            _ => [may_reach_times(bounds, at, reach); 2],
+                        }
+                    },
+                );
+                let expected = bounds::may_reach(surfel, place, reach);
+                let mask = if expected { 0xff } else { 0 };
+                assert_eq!(found, [mask; 2], "{surfel:x} {place:x} {reach}");
+                passed += u32::from(expected);
             }
         }
-    }
-
-    /// A bit for each surfel that may reach the point.
-    ///
-    /// # Safety
-    /// As [`Point::new`].
-    #[inline(always)]
-    pub unsafe fn may_reach(&self, bounds: __m256i) -> u32 {
-        // SAFETY: the caller is compiled for AVX2.
-        unsafe {
-            // What lies below a coordinate does not change it: the shift to the right rounds down.
-            let x = _mm256_sub_epi32(_mm256_slli_epi32::<ABOVE>(bounds), self.at[0]);
-            let y = _mm256_slli_epi32::<{ ABOVE - BITS as i32 }>(bounds);
-            let y = _mm256_sub_epi32(y, self.at[1]);
-            let z = _mm256_slli_epi32::<{ ABOVE - 2 * BITS as i32 }>(bounds);
-            let z = _mm256_sub_epi32(z, self.at[2]);
-            let squared = |d| {
-                let d = _mm256_srai_epi32::<ABOVE>(d);
-                _mm256_mullo_epi32(d, d)
-            };
-            let distance = _mm256_add_epi32(_mm256_add_epi32(squared(x), squared(y)), squared(z));
-            let pairs = _mm256_srli_epi32::<{ RADIUS_AT as i32 }>(bounds);
-            let most = _mm256_add_epi32(
-                _mm256_mullo_epi32(pairs, self.reach),
-                _mm256_set1_epi32(MARGIN as i32),
-            );
-            let beyond = _mm256_cmpgt_epi32(distance, _mm256_mullo_epi32(most, most));
-            let always = _mm256_cmpeq_epi32(pairs, _mm256_set1_epi32(ALWAYS as i32));
-            let refused = _mm256_andnot_si256(always, beyond);
-            !_mm256_movemask_ps(_mm256_castsi256_ps(refused)) as u32 & 0xff
-        }
+        println!("{passed} passed");
+        assert!(passed > 10_000);
     }
 }

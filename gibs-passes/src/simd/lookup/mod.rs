@@ -141,7 +141,9 @@ fn coverages(
             seen(id);
         }
     };
-    for_pairs(&Batch::new(points, s), s, |_| {}, each);
+    let mut batch = Batch::new();
+    batch.find(points, s);
+    for_pairs(&batch, s, |_| {}, each);
     totals
 }
 
@@ -153,7 +155,8 @@ fn gathers(
     s: &Surfels<'_>,
     light: &[SurfelLight],
 ) -> [Gathered; AT_A_TIME] {
-    let batch = Batch::new(points, s);
+    let mut batch = Batch::new();
+    batch.find(points, s);
     let mut gathered = [Gathered::default(); AT_A_TIME];
     let mut totals = [0.0; AT_A_TIME];
     let mut firsts = [0.0; AT_A_TIME];

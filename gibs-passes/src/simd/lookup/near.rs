@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::super::lanes::{Lanes3, all, for_lanes, loaded, loaded_words, stored};
 use super::super::prefetch;
-use super::bounds::Point;
+use super::bounds::may_reach_times;
 use super::pairs::{FULL, Line};
 use super::poses::Poses;
 use super::{above_zero, eight};
@@ -26,13 +26,12 @@ unsafe fn for_near(
 ) {
     let mut waiting = [0; 16];
     let mut count = 0;
-    // SAFETY: the caller is compiled for AVX2.
-    let point = unsafe { Point::new(list.place, reach) };
     for (ids, bounds) in list.ids.chunks(8).zip(list.bounds.chunks(8)) {
         // SAFETY: the caller is compiled for AVX2.
         let mask = unsafe {
             let (bounds, there) = eight(bounds);
-            point.may_reach(bounds) & there
+            let place = _mm256_set1_epi32(list.place as i32);
+            may_reach_times(bounds, place, reach) & there
         };
         for_lanes(mask, |lane| {
             let id = ids.get(lane).copied().unwrap_or(0);

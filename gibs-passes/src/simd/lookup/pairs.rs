@@ -10,7 +10,7 @@ use std::mem::MaybeUninit;
 use super::super::lanes::{loaded, stored};
 use super::super::prefetch;
 use super::batch::Batch;
-use super::bounds::Point;
+use super::bounds::may_reach;
 use super::candidates::{Candidates, set_lanes};
 use super::poses::Poses;
 use super::{above_zero, eight};
@@ -190,12 +190,11 @@ pub fn for_pairs(
     let mut weighty = Line::new();
     for (at, list) in (0..).zip(&batch.lists) {
         let here = _mm256_set1_epi32(at);
-        // SAFETY: this function is compiled for AVX2.
-        let point = unsafe { Point::new(list.place, 1) };
+        let place = _mm256_set1_epi32(list.place as i32);
         for start in (0..list.ids.len()).step_by(8) {
             let (bounds, there) = eight(&list.bounds[start..]);
-            // SAFETY: as above.
-            let mask = unsafe { point.may_reach(bounds) } & there;
+            // SAFETY: this function is compiled for AVX2.
+            let mask = unsafe { may_reach(bounds, place) } & there;
             let (ids, _) = eight(&list.ids[start..]);
             near.append(mask, ids, here);
             if near.count() >= FULL {

@@ -4,8 +4,8 @@ use std::arch::x86_64::*;
 
 use super::super::directions::{normalized, pack, unpack};
 use super::super::lanes::{
-    Lanes3, columns, columns_where, dot, either, has_any, inverted, is_word, larger, magnitude,
-    magnitudes, scaled, sum, turned,
+    Lanes3, all_same, columns, columns_where, dot, either, has_any, inverted, is_word, larger,
+    magnitude, magnitudes, scaled, sum, turned,
 };
 use crate::data::{Corners, Hit, Instance, NONE, Ray, Triangle};
 use crate::shared::surface;
@@ -50,8 +50,7 @@ impl Geometry {
         let [e1x, e1y, e1z, _] = columns::<4, _>(&on.triangles);
         let [e2x, e2y, e2z, moves] = columns::<8, _>(&on.triangles);
         let (v0, e1, e2) = ([v0x, v0y, v0z], [e1x, e1y, e1z], [e2x, e2y, e2z]);
-        let first = on.instances[0];
-        let same = on.instances.iter().all(|&i| std::ptr::eq(i, first));
+        let same = all_same(&on.instances);
         let to_world = [
             columns_where::<12, _>(&on.instances, same),
             columns_where::<16, _>(&on.instances, same),

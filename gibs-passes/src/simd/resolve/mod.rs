@@ -10,10 +10,12 @@ mod texture;
 mod tests;
 
 use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use super::lanes::{
-    Lanes3, columns, for_lanes, has_any, inverted, is_word, loaded, selected, store_columns, stored,
+    Lanes3, all_same, columns_where, for_lanes, has_any, inverted, is_word, loaded, selected,
+    store_columns, stored,
 };
 use super::{Avx2, prefetch};
 use crate::data::{Hit, Material, NONE, Ray, SurfacePoint};
@@ -74,16 +76,16 @@ fn resolve_wide(
             prefetch(scene.corners, triangle.primitive as usize);
         }
         let (found, _) = found.as_chunks::<8>();
-        let mut begun = [const { None }; BATCH / 8];
+        let mut begun = [const { MaybeUninit::uninit() }; BATCH / 8];
         for (ids, begun) in found[..eights].iter().zip(&mut begun) {
-            *begun = Some(Begun::at(scene, rays, hits, ids));
+            begun.write(Begun::at(scene, rays, hits, ids));
         }
         for ((e, ids), begun) in found[..eights].iter().enumerate().zip(&begun) {
-            if let Some(begun) = begun {
-                let points = begun.finished(scene.texels);
-                for (&i, &point) in ids.iter().zip(&points).take(count - e * 8) {
-                    set(i, point);
-                }
+            // SAFETY: the loop before has written as many.
+            let begun: &Begun = unsafe { begun.assume_init_ref() };
+            let points = begun.finished(scene.texels);
+            for (&i, &point) in ids.iter().zip(&points).take(count - e * 8) {
+                set(i, point);
             }
         }
     }
@@ -114,10 +116,11 @@ impl Begun {
         };
         let materials = triangles.map(|triangle| &scene.materials[triangle.material() as usize]);
         let geometry = Geometry::at(&on);
-        let picks = Picks::at(&materials, &geometry.uv);
+        let same = all_same(&materials);
+        let picks = Picks::at(&materials, same, &geometry.uv);
         picks.prefetch(scene.texels);
-        let [r, g, b, material_flags] = columns::<4, _>(&materials);
-        let [_, _, _, emission_texels] = columns::<16, _>(&materials);
+        let [r, g, b, material_flags] = columns_where::<4, _>(&materials, same);
+        let [_, _, _, emission_texels] = columns_where::<16, _>(&materials, same);
         let material_flags = _mm256_castps_si256(material_flags);
         let two_sided = has_any(material_flags, scalar::DOUBLE_SIDED);
         let shines = _mm256_or_ps(geometry.front, two_sided);

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::lanes::{
-    Lanes3, columns, either, has_any, inverted, is_word, positive, stored_words,
+    Lanes3, columns_where, either, has_any, inverted, is_word, positive, stored_words,
 };
 use super::super::prefetch;
 use crate::data::{Material, NONE};
@@ -23,12 +23,12 @@ pub struct Picks {
 }
 
 impl Picks {
-    /// What materials have at texture coordinates.
+    /// What materials, all the same one or not, have at texture coordinates.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    pub fn at(materials: &[&Material; 8], uv: &[__m256; 2]) -> Self {
-        let [r, g, b, _] = columns::<0, _>(materials);
-        let [ux, uy, uz, first] = columns::<8, _>(materials);
+    pub fn at(materials: &[&Material; 8], same: bool, uv: &[__m256; 2]) -> Self {
+        let [r, g, b, _] = columns_where::<0, _>(materials, same);
+        let [ux, uy, uz, first] = columns_where::<8, _>(materials, same);
         let first = _mm256_castps_si256(first);
         let textured = inverted(is_word(first, NONE));
         let mut picks = Picks {
@@ -40,8 +40,8 @@ impl Picks {
         if _mm256_movemask_ps(textured) == 0 {
             return picks;
         }
-        let [vx, vy, vz, size] = columns::<12, _>(materials);
-        let [_, sampler, _, _] = columns::<24, _>(materials);
+        let [vx, vy, vz, size] = columns_where::<12, _>(materials, same);
+        let [_, sampler, _, _] = columns_where::<24, _>(materials, same);
         let (size, sampler) = (_mm256_castps_si256(size), _mm256_castps_si256(sampler));
         let nearest = has_any(sampler, texture::NEAREST);
         let width = _mm256_and_si256(size, _mm256_set1_epi32(0xffff));
