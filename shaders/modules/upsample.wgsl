@@ -6,9 +6,9 @@ import package::types::{Camera, Gathered, SurfacePoint};
 import package::vector::{vector_dot, vector_length};
 
 /// An edge lies between two points where one is off the other's plane by more than this share of a pixel's width there.
-const UPSAMPLE_PLANE_TOLERANCE: f32 = 0.1;
+const UPSAMPLE_PLANE_TOLERANCE: f32 = 0.3;
 /// An edge lies between two points where the cosine of their normals is below this.
-const UPSAMPLE_NORMAL_TOLERANCE: f32 = 0.9;
+const UPSAMPLE_NORMAL_TOLERANCE: f32 = 0.85;
 
 /// Where the light at the corners of a block of 2x2 pixels differs by more than this factor, every pixel of it is lit by itself.
 const UPSAMPLE_CONTRAST: f32 = 2.0;
