@@ -14,12 +14,15 @@ pub struct Counters {
     pub recycled: u32,
     /// Births that found no free slot since the start, wrapping: raise the setting `surfels`.
     pub starved: u32,
-    /// Births that cells refused in the last frame, whose lists are as long as a lookup: raise the setting `lookup`.
+    /// Holes in which no surfel was born in the last frame, as their cells' lists are as long as a lookup: quarters of tiles, and
+    /// with `hit_births` hits of rays. Raise the setting `lookup`.
     pub crowded: u32,
     /// Entries that did not fit the lists of the grid's cells, in the last frame: raise the setting `grid_lists`.
     pub overflow: u32,
     /// Rays of the last frame, from surfels.
     pub rays: u32,
+    /// Rays of the last frame that went on beyond hits, on top of those.
+    pub continued: u32,
     /// Slots that were lost or given twice, after the last frame; `None` without the setting `check_slots`.
     pub slot_errors: Option<u32>,
     /// What the firefly clamp took since the start; `None` without the setting `clamp`.

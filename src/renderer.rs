@@ -368,6 +368,15 @@ impl Renderer {
         let surfels: SurfelCounters = self.only("counters")?;
         let has = |name| self.gi.schedule().output(name).is_some();
         let (slot_errors, clamped) = (has("slot_errors"), has("clamped"));
+        let outputs = self.gi.schedule().outputs.iter();
+        let beyond: Vec<String> = outputs
+            .filter(|output| output.name.starts_with("rays_"))
+            .map(|output| output.name.clone())
+            .collect();
+        let mut continued = 0;
+        for name in beyond {
+            continued += self.only::<DispatchArgs>(&name)?.count;
+        }
         Ok(Counters {
             live: surfels.live,
             born: surfels.born,
@@ -376,6 +385,7 @@ impl Renderer {
             crowded: self.only("crowded")?,
             overflow: self.only("overflow")?,
             rays: self.only::<DispatchArgs>("rays")?.count,
+            continued,
             slot_errors: match slot_errors {
                 true => Some(self.only("slot_errors")?),
                 false => None,

@@ -5,7 +5,7 @@ use crate::compare::{HEAT_FULL_SCALE, Metrics, Report};
 use crate::picture::Picture;
 use crate::view::View;
 use crate::{RenderError, Renderer};
-use gibs_graph::{Backend, DispatchArgs};
+use gibs_graph::Backend;
 use gibs_passes::scene::Scene;
 use std::time::Instant;
 
@@ -142,17 +142,6 @@ pub(super) fn run(
 
 /// Rays of the last frame: of surfels, and of paths that went on beyond hits.
 fn rays(renderer: &mut Renderer) -> Result<u64, RenderError> {
-    let outputs = &renderer.gi().schedule().outputs;
-    let is_batch = |name: &str| name == "rays" || name.starts_with("rays_");
-    let names: Vec<String> = outputs
-        .iter()
-        .map(|output| output.name.clone())
-        .filter(|name| is_batch(name))
-        .collect();
-    let mut sum = 0;
-    for name in names {
-        let batch: Vec<DispatchArgs> = renderer.output(&name)?;
-        sum += batch.iter().map(|args| u64::from(args.count)).sum::<u64>();
-    }
-    Ok(sum)
+    let counters = renderer.counters()?;
+    Ok(u64::from(counters.rays) + u64::from(counters.continued))
 }

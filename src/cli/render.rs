@@ -1,7 +1,7 @@
 //! `gibs render`: direct light and surfel indirect light.
 use super::CommandError;
 use super::output::{check_finite, default_out, progress, say, write};
-use super::run::{warn_at_start, warn_of};
+use super::run::{warn_at_start, warn_of, warn_of_few_rays};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
@@ -52,7 +52,10 @@ struct Summary {
     frames: u32,
     surfels: u32,
     surfels_without_slot: u32,
-    /// Births that crowded cells refused in the last frame.
+    /// Rays of the last frame: from surfels, and on top of those beyond hits.
+    rays: u32,
+    continued_rays: u32,
+    /// Holes in crowded cells, in which no surfel was born in the last frame.
     crowded: u32,
     grid_overflow: u32,
     /// Slots lost or given twice after the last frame; none without `check_slots`.
@@ -187,6 +190,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         frames: args.frames,
         surfels: counters.live,
         surfels_without_slot: counters.starved,
+        rays: counters.rays,
+        continued_rays: counters.continued,
         crowded: counters.crowded,
         grid_overflow: counters.overflow,
         slot_errors: counters.slot_errors,
@@ -237,5 +242,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         }
     }
     warn_of(settings.surfels, &counters);
+    let rays = u64::from(settings.rays) * u64::from(args.frames);
+    warn_of_few_rays(counters.live, rays);
     Ok(())
 }

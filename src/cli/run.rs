@@ -52,11 +52,13 @@ pub(super) struct Totals {
     pub births: u64,
     pub recycled: u64,
     pub starved: u64,
-    /// Births that crowded cells refused, over all frames, so that one that waits counts in each.
+    /// Holes in crowded cells, over all frames, so that one that stays counts in each.
     pub crowded: u64,
     pub grid_overflow: u64,
     /// Over all frames, so that one that lasts counts in each.
     pub slot_errors: u64,
+    /// Rays of all frames, those that went on beyond hits included.
+    pub rays: u64,
 }
 
 impl Totals {
@@ -73,6 +75,7 @@ impl Totals {
             totals.crowded += u64::from(row.crowded);
             totals.grid_overflow += u64::from(row.grid_overflow);
             totals.slot_errors += u64::from(row.slot_errors.unwrap_or_default());
+            totals.rays += u64::from(row.rays) + u64::from(row.continued);
         }
         totals
     }
@@ -80,6 +83,7 @@ impl Totals {
     /// Says what ran out, and fails where slots are wrong.
     pub fn judge(&self) -> Result<(), CommandError> {
         warn_shortage(self.surfels, self.starved, self.crowded, self.grid_overflow);
+        warn_of_few_rays(self.most_live, self.rays);
         match self.slot_errors {
             0 => Ok(()),
             errors => Err(CommandError::Slots { errors }),
@@ -95,11 +99,20 @@ pub(super) fn warn_shortage(surfels: u32, starved: u64, crowded: u64, overflow: 
     }
     if crowded > 0 {
         warning!(
-            "{crowded} births were refused by cells whose lists are as long as a lookup; raise `lookup`"
+            "{crowded} holes get no surfel: their cells' lists are as long as a lookup; raise `lookup`"
         );
     }
     if overflow > 0 {
         warning!("{overflow} entries did not fit the grid; raise `grid_lists`");
+    }
+}
+
+/// Warns where surfels have had less than a ray each.
+pub(super) fn warn_of_few_rays(surfels: u32, rays: u64) {
+    if rays > 0 && rays < u64::from(surfels) {
+        warning!(
+            "{surfels} surfels have had {rays} rays in all: most know of no light; raise `rays`, or render more frames"
+        );
     }
 }
 

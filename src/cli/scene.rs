@@ -99,7 +99,7 @@ impl SceneArgs {
 #[derive(Clone, Debug, clap::Args)]
 pub struct SettingsArgs {
     /// Ray budget of a frame [default: 100000]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = ray_budget)]
     pub rays: Option<u32>,
     #[command(flatten)]
     pub others: TechniqueArgs,
@@ -117,6 +117,13 @@ pub struct TechniqueArgs {
     /// Settings file (TOML) with the same keys
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
+}
+
+/// A ray budget that the setting takes.
+pub(super) fn ray_budget(text: &str) -> Result<u32, String> {
+    let mut settings = Settings::default();
+    settings.set("rays", text).map_err(|e| e.to_string())?;
+    Ok(settings.rays)
 }
 
 impl SettingsArgs {

@@ -2,7 +2,7 @@
 use super::CommandError;
 use super::output::{prepare_folder, progress, say};
 use super::run::{Totals, median, prepare, title};
-use super::scene::{SceneArgs, TechniqueArgs};
+use super::scene::{SceneArgs, TechniqueArgs, ray_budget};
 use crate::backends::{self, Choice};
 use crate::measure::{
     Stress, StressError, StressRow, converged_from, csv, group_plot, or_empty, plot_of, stress,
@@ -20,7 +20,7 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// Ray budgets of a frame; each is a run of its own [default: 100000]
-    #[arg(long, value_name = "N,..", value_delimiter = ',')]
+    #[arg(long, value_name = "N,..", value_delimiter = ',', value_parser = ray_budget)]
     rays: Vec<u32>,
     #[command(flatten)]
     settings: TechniqueArgs,
@@ -191,7 +191,7 @@ fn table(run: &Run, args: &Args) -> String {
     };
     let totals = &run.totals;
     text += &format!(
-        "{} births, {} starved, {} refused by crowded cells; most live {} of {}; {} slot errors\n",
+        "{} births, {} starved, {} holes in crowded cells; most live {} of {}; {} slot errors\n",
         totals.births,
         totals.starved,
         totals.crowded,

@@ -21,7 +21,7 @@ pub struct FrameRow {
     pub recycled: u32,
     /// Births in it that found no free slot.
     pub starved: u32,
-    /// Births in it that crowded cells refused.
+    /// Holes in crowded cells, in which no surfel was born: see [`Counters::crowded`].
     pub crowded: u32,
     /// Entries that did not fit the grid's lists.
     pub grid_overflow: u32,
@@ -29,6 +29,8 @@ pub struct FrameRow {
     pub slot_errors: Option<u32>,
     /// Rays from surfels.
     pub rays: u32,
+    /// Rays that went on beyond hits, on top of those.
+    pub continued: u32,
 }
 
 /// Runs frames of a renderer and measures each.
@@ -104,6 +106,7 @@ impl FrameMeter {
             grid_overflow: now.overflow,
             slot_errors: now.slot_errors,
             rays: now.rays,
+            continued: now.continued,
         })
     }
 }

@@ -25,6 +25,7 @@ pub fn csv<'a>(
         "grid_overflow",
         "slot_errors",
         "rays",
+        "continued",
     ];
     let mut head: Vec<String> = before.iter().map(ToString::to_string).collect();
     head.extend(["frame".to_owned(), "ms".to_owned()]);
@@ -48,7 +49,7 @@ pub fn csv<'a>(
         ];
         cells.extend(counts.map(|count| count.to_string()));
         cells.push(or_empty(row.slot_errors));
-        cells.push(row.rays.to_string());
+        cells.extend([row.rays, row.continued].map(|count| count.to_string()));
         cells.extend(after);
         text += &(cells.join(",") + "\n");
     }

@@ -245,6 +245,7 @@ fn tables_have_a_value_for_every_column() {
         grid_overflow: 0,
         slot_errors: None,
         rays: 9,
+        continued: 5,
     };
     let groups = ["gbuffer", "apply"].map(str::to_owned);
     let text = csv(
@@ -255,8 +256,8 @@ fn tables_have_a_value_for_every_column() {
     );
     assert_eq!(
         text,
-        "budget,frame,ms,gbuffer_ms,apply_ms,live,births,recycled,starved,crowded,grid_overflow,slot_errors,rays,error\n\
-         9,7,1.500,0.250,1.000,3,2,1,0,4,0,,9,\n"
+        "budget,frame,ms,gbuffer_ms,apply_ms,live,births,recycled,starved,crowded,grid_overflow,slot_errors,rays,continued,error\n\
+         9,7,1.500,0.250,1.000,3,2,1,0,4,0,,9,5,\n"
     );
     let rows = vec![row; 1000];
     let plot = group_plot("cost", &groups, rows.iter());

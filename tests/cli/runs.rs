@@ -196,3 +196,38 @@ fn what_runs_out_is_warned_of_with_the_setting_to_raise() {
         assert!(message.contains(part), "{message}");
     }
 }
+
+#[test]
+fn crowded_cells_and_surfels_without_rays_are_warned_of() {
+    let folder = Folder::new("crowded");
+    let out = folder.path("a.png");
+    let small = ["cornell", "--backend", "cpu", "--size", "64x64"];
+    let crowded = ["--frames", "20", "--set", "lookup=1"];
+    for command in ["render", "stress", "roam"] {
+        let mut args = [&[command], &small[..], &crowded].concat();
+        if command == "render" {
+            args.extend(["--out", &out, "--json"]);
+        }
+        let output = gibs(&args);
+        let message = stderr(&output);
+        assert!(output.status.success(), "{message}");
+        assert!(message.contains("raise `lookup`"), "{command}: {message}");
+        if command == "render" {
+            let summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            let holes = summary["crowded"].as_u64().expect("a number");
+            assert!(message.contains(&format!("{holes} holes")), "{message}");
+            // Rays beyond hits come on top.
+            assert_eq!(summary["rays"], 100_000);
+            assert!(summary["continued_rays"].as_u64() > Some(1000), "{summary}");
+        } else {
+            let said = String::from_utf8_lossy(&output.stdout);
+            assert!(said.contains("holes in crowded cells"), "{said}");
+        }
+    }
+    let few = [
+        "--frames", "2", "--rays", "1", "--set", "radius=4", "--out", &out,
+    ];
+    let output = gibs(&[&["render"], &small[..], &few].concat());
+    let message = stderr(&output);
+    assert!(message.contains("have had 2 rays in all"), "{message}");
+}

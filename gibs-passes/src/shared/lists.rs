@@ -8,6 +8,19 @@ use glam::{UVec2, Vec3};
 /// Beginning and length of a list that did not fit.
 pub const DROPPED: UVec2 = UVec2::new(u32::MAX, 0);
 
+/// Whether a cell takes no more surfels: it is [crowded](is_crowded), or its list did not fit.
+#[inline]
+pub fn is_full(cell: UVec2, settings: &SurfelSettings) -> bool {
+    is_crowded(cell, settings) || cell == DROPPED
+}
+
+/// Whether a cell's list is as long as a lookup. Of more surfels, each would be visited less often, and their number would
+/// never settle.
+#[inline]
+pub fn is_crowded(cell: UVec2, settings: &SurfelSettings) -> bool {
+    cell.y >= settings.lookup
+}
+
 /// The buffers of a lookup.
 #[derive(Clone, Copy)]
 pub struct Surfels<'a> {
@@ -67,17 +80,10 @@ impl<'a> Surfels<'a> {
         }
     }
 
-    /// Whether a cell takes no more surfels: it is [crowded](Self::is_crowded), or its list did not fit.
+    /// First entry and number of entries of the cell of a point.
     #[inline]
-    pub fn is_full(&self, point: Vec3) -> bool {
-        self.is_crowded(point) || self.cells[grid::cell(point, self.grid) as usize] == DROPPED
-    }
-
-    /// Whether a cell's list is as long as a lookup. Of more surfels, each would be visited less often, and their number would
-    /// never settle.
-    #[inline]
-    pub fn is_crowded(&self, point: Vec3) -> bool {
-        self.cells[grid::cell(point, self.grid) as usize].y >= self.settings.lookup
+    pub fn cell(&self, point: Vec3) -> UVec2 {
+        self.cells[grid::cell(point, self.grid) as usize]
     }
 
     /// [`Surfels::around`] for several points at a time, of which `position` tells where they are, and nothing where

@@ -2,7 +2,7 @@
 use super::positional_update::radius_at;
 use crate::data::{Camera, Frame, GridShape, NONE, SurfacePoint, SurfelPose, SurfelSettings};
 use crate::shared::depth::Depths;
-use crate::shared::lists::Surfels;
+use crate::shared::lists::{Surfels, is_crowded, is_full};
 use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::shared::{hash, surface, upsample};
 use crate::simd;
@@ -143,12 +143,13 @@ fn fill(
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
             let candidate = (((share * 65_534.0) as u32) << 16) | (tie << 10) | place;
-            if is_hole(share) && surfels.is_crowded(point.position) {
+            let cell = || surfels.cell(point.position);
+            if is_hole(share) && is_crowded(cell(), p.settings) {
                 crowded[within(lane) as usize] = true;
             }
             let least = &mut least[within(lane) as usize];
             // What is covered amply bears none anyway.
-            if candidate < *least && (share == 1.0 || !surfels.is_full(point.position)) {
+            if candidate < *least && (share == 1.0 || !is_full(cell(), p.settings)) {
                 *least = candidate;
             }
         }

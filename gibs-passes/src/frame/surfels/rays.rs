@@ -153,9 +153,11 @@ pub(super) fn integrate_rays(
             let inputs = hit_gaps::Inputs {
                 batch: &segment.args,
                 frame: &scene.frame,
+                grid: &grid.shape,
                 settings: device_settings,
                 points: &points,
                 gathered: &gathered,
+                cells: &grid.cells,
                 candidates,
                 flags,
             };

@@ -73,8 +73,10 @@ mod tests {
     use super::*;
     use crate::shared::{bounds, hash};
     use crate::simd::Avx2;
+    use crate::simd::lanes::loaded_words;
 
-    /// All bytes of an axis against all, at radii up to the largest, and words at random.
+    /// Every byte along each axis, at every radius, against a point at random, and words near each other: eight different ones at a time, so
+    /// that none may stand for another.
     #[test]
     fn eight_bounds_are_compared_as_each_is() {
         let Some(avx2) = Avx2::detect() else {
@@ -82,44 +84,53 @@ mod tests {
             return;
         };
         let whole = (1u32 << RADIUS_AT) - 1;
-        let cases = (0..3 * 65_536u32).map(|i| {
-            let (axis, byte, radius) = (i >> 16, i & 255, (i >> 8) & 127);
-            (
-                byte << (8 * axis) | radius.max(1) << RADIUS_AT,
-                hash::hash2(i, 0) & whole,
-            )
-        });
-        let cases = cases.chain((0..65_536).map(|i| {
-            let surfel = hash::hash2(i, 1);
-            let near = hash::hash2(i, 2) & 0x003f_3f3f;
-            let place = (surfel & whole).wrapping_add(near) & whole;
-            let radius = (surfel >> RADIUS_AT & 127).max(1);
-            (surfel & whole | radius << RADIUS_AT, place)
-        }));
-        let mut passed = 0;
-        for (surfel, place) in cases {
+        let along = |i: u32| {
+            let (axis, byte, radius) = (i >> 16, i & 255, ((i >> 8) & 127).max(1));
+            byte << (8 * axis) | radius << RADIUS_AT
+        };
+        let near = |i: u32| {
+            let radius = (hash::hash2(i, 3) & 127).max(1);
+            hash::hash2(i / 8, 1).wrapping_add(hash::hash2(i, 2) & 0x003f_3f3f) & whole
+                | radius << RADIUS_AT
+        };
+        let eights = (0..3 * 65_536 / 8).map(|i| (i, false));
+        let eights = eights.chain((0..16_384).map(|i| (i, true)));
+        let (mut passed, mut mixed) = (0, 0);
+        for (eight, is_near) in eights {
+            let of = |lane: usize| 8 * eight + lane as u32;
+            let words: [u32; 8] = std::array::from_fn(|lane| match is_near {
+                true => near(of(lane)),
+                false => along(of(lane)),
+            });
+            let place = match is_near {
+                true => hash::hash2(eight, 1) & whole,
+                false => hash::hash2(eight, 0) & whole,
+            };
             for reach in [1, 2, 3] {
-                // SAFETY: both run where there is AVX2, as the proof says.
                 let found = avx2.run(
                     #[inline(always)]
-                    || unsafe {
-                        let (bounds, at) = (
-                            _mm256_set1_epi32(surfel as i32),
-                            _mm256_set1_epi32(place as i32),
-                        );
-                        match reach {
-                            1 => [may_reach(bounds, at), may_reach_times(bounds, at, 1)],
-                            _ => [may_reach_times(bounds, at, reach); 2],
+                    || {
+                        // SAFETY: all run where there is AVX2, as the proof says.
+                        unsafe {
+                            let bounds = loaded_words(&words);
+                            let at = _mm256_set1_epi32(place as i32);
+                            match reach {
+                                1 => [may_reach(bounds, at), may_reach_times(bounds, at, 1)],
+                                _ => [may_reach_times(bounds, at, reach); 2],
+                            }
                         }
                     },
                 );
-                let expected = bounds::may_reach(surfel, place, reach);
-                let mask = if expected { 0xff } else { 0 };
-                assert_eq!(found, [mask; 2], "{surfel:x} {place:x} {reach}");
-                passed += u32::from(expected);
+                let mut mask = 0;
+                for (lane, &word) in words.iter().enumerate() {
+                    mask |= u32::from(bounds::may_reach(word, place, reach)) << lane;
+                }
+                assert_eq!(found, [mask; 2], "{words:x?} {place:x} {reach}");
+                passed += mask.count_ones();
+                mixed += u32::from(mask != 0 && mask != 0xff);
             }
         }
-        println!("{passed} passed");
-        assert!(passed > 10_000);
+        println!("{passed} passed, {mixed} eights of both kinds");
+        assert!(passed > 10_000 && mixed > 10_000);
     }
 }
