@@ -2,7 +2,7 @@
 
 /// Index that stands for nothing.
 const NONE: u32 = 0xffffffffu;
-/// In place of a pixel where a surfel would be born: a crowded cell refused it.
+/// In place of a pixel where a surfel would be born: a hole in a crowded cell.
 const CROWDED: u32 = 0xfffffffeu;
 /// Largest finite number.
 const F32_MAX: f32 = 0x1.fffffep+127f;

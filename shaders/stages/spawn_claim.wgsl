@@ -1,5 +1,5 @@
 // A free slot for each birth, from the stack, by rank. Where there are too few slots, the rank that is
-// served first is drawn anew each frame. Counts the births that crowded cells refused.
+// served first is drawn anew each frame. Counts the holes in crowded cells, which get none.
 import package::hash::hash_hash2;
 import package::invocation::invocation_index;
 import package::types::{CROWDED, Frame, NONE, SurfelCounters, SurfelSettings};

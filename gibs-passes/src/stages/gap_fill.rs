@@ -40,7 +40,7 @@ stage! {
     }
 }
 
-/// In place of a pixel: a birth that a crowded cell refused.
+/// In place of a pixel: a hole in a crowded cell, in which no surfel may be born.
 pub const CROWDED: u32 = NONE - 1;
 
 /// Side of a workgroup, texels: that of the largest tile.

@@ -8,8 +8,8 @@ use glam::UVec2;
 stage! {
     /// Pops the free stack for each quarter of a tile with a candidate, by rank, so that no race decides; where there are too few
     /// slots, the rank that is served first is drawn anew each frame, so that no part of the picture starves. `claims`
-    /// is (slot, texel); the slot is `NONE` where no surfel is born or none is free. Counts the births that crowded cells
-    /// refused.
+    /// is (slot, texel); the slot is `NONE` where no surfel is born or none is free. Counts the holes in crowded cells,
+    /// which get none.
     pub stage SpawnClaim {
         wgsl: gibs_shaders::stages::SPAWN_CLAIM,
         workgroup: [64, 1, 1],

@@ -191,7 +191,7 @@ struct Grid {
 }
 
 /// Records the frame. Its outputs are those of the [`Screen`], `rays` (how many surfels send), `rays_1`, `rays_2` and so on
-/// (how many paths go on beyond a hit for the first, the second time), `counters`, `crowded` (births that crowded cells refused) and `overflow`; with `check_slots`,
+/// (how many paths go on beyond a hit for the first, the second time), `counters`, `crowded` (holes in crowded cells) and `overflow`; with `check_slots`,
 /// `slot_errors`; with the firefly clamp, `clamped`; with queries also
 /// `query_gathered` and, with lights, `query_direct`, of the input `query_points`; with a debug view `debug`, and
 /// `debug_surfels` where it shows something of each surfel. Gives what further stages may go on

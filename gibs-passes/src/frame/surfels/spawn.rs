@@ -60,7 +60,7 @@ pub(super) fn spawn_surfels(
 /// What is counted of the slots and of births.
 pub(super) struct Counts {
     pub counters: Buffer<SurfelCounters>,
-    /// Births that crowded cells refused.
+    /// Holes in crowded cells, in which no surfel was born.
     pub crowded: Buffer<u32>,
 }
 
