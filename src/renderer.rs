@@ -368,13 +368,12 @@ impl Renderer {
         let surfels: SurfelCounters = self.only("counters")?;
         let has = |name| self.gi.schedule().output(name).is_some();
         let (slot_errors, clamped) = (has("slot_errors"), has("clamped"));
-        let outputs = self.gi.schedule().outputs.iter();
-        let beyond: Vec<String> = outputs
-            .filter(|output| output.name.starts_with("rays_"))
-            .map(|output| output.name.clone())
-            .collect();
         let mut continued = 0;
-        for name in beyond {
+        for depth in 1.. {
+            let name = format!("rays_{depth}");
+            if self.gi.schedule().output(&name).is_none() {
+                break;
+            }
             continued += self.only::<DispatchArgs>(&name)?.count;
         }
         Ok(Counters {

@@ -243,6 +243,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     warn_of(settings.surfels, &counters);
     let rays = u64::from(settings.rays) * u64::from(args.frames);
-    warn_of_few_rays(counters.live, rays);
+    warn_of_few_rays(counters.live.into(), rays);
     Ok(())
 }

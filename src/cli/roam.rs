@@ -175,7 +175,7 @@ fn table(flight: &Flight, args: &Args) -> String {
         median_of(&|row| Some(row.frame.ms)),
     );
     text += &format!(
-        "surfels: most live {} of {}; {} births, {} recycled, {} starved, {} holes in crowded cells; {} entries beyond the grid; {} slot errors\n",
+        "surfels: most live {} of {}; {} births, {} recycled, {} starved, at most {} holes in crowded cells; {} entries beyond the grid; {} slot errors\n",
         totals.most_live,
         totals.surfels,
         totals.births,

@@ -52,13 +52,14 @@ pub(super) struct Totals {
     pub births: u64,
     pub recycled: u64,
     pub starved: u64,
-    /// Holes in crowded cells, over all frames, so that one that stays counts in each.
+    /// Holes in crowded cells, in the frame that had most.
     pub crowded: u64,
     pub grid_overflow: u64,
     /// Over all frames, so that one that lasts counts in each.
     pub slot_errors: u64,
-    /// Rays of all frames, those that went on beyond hits included.
+    /// Rays of all frames from surfels, and beyond hits.
     pub rays: u64,
+    pub continued_rays: u64,
 }
 
 impl Totals {
@@ -72,10 +73,11 @@ impl Totals {
             totals.births += u64::from(row.births);
             totals.recycled += u64::from(row.recycled);
             totals.starved += u64::from(row.starved);
-            totals.crowded += u64::from(row.crowded);
+            totals.crowded = totals.crowded.max(row.crowded.into());
             totals.grid_overflow += u64::from(row.grid_overflow);
             totals.slot_errors += u64::from(row.slot_errors.unwrap_or_default());
-            totals.rays += u64::from(row.rays) + u64::from(row.continued);
+            totals.rays += u64::from(row.rays);
+            totals.continued_rays += u64::from(row.continued);
         }
         totals
     }
@@ -83,7 +85,7 @@ impl Totals {
     /// Says what ran out, and fails where slots are wrong.
     pub fn judge(&self) -> Result<(), CommandError> {
         warn_shortage(self.surfels, self.starved, self.crowded, self.grid_overflow);
-        warn_of_few_rays(self.most_live, self.rays);
+        warn_of_few_rays(self.births, self.rays);
         match self.slot_errors {
             0 => Ok(()),
             errors => Err(CommandError::Slots { errors }),
@@ -108,10 +110,10 @@ pub(super) fn warn_shortage(surfels: u32, starved: u64, crowded: u64, overflow: 
 }
 
 /// Warns where surfels have had less than a ray each.
-pub(super) fn warn_of_few_rays(surfels: u32, rays: u64) {
-    if rays > 0 && rays < u64::from(surfels) {
+pub(super) fn warn_of_few_rays(surfels: u64, rays: u64) {
+    if rays > 0 && rays < surfels {
         warning!(
-            "{surfels} surfels have had {rays} rays in all: most know of no light; raise `rays`, or render more frames"
+            "{surfels} surfels have had {rays} rays in all, less than one each; raise `rays`, or render more frames"
         );
     }
 }

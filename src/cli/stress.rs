@@ -191,7 +191,7 @@ fn table(run: &Run, args: &Args) -> String {
     };
     let totals = &run.totals;
     text += &format!(
-        "{} births, {} starved, {} holes in crowded cells; most live {} of {}; {} slot errors\n",
+        "{} births, {} starved, at most {} holes in crowded cells; most live {} of {}; {} slot errors\n",
         totals.births,
         totals.starved,
         totals.crowded,

@@ -224,10 +224,15 @@ fn crowded_cells_and_surfels_without_rays_are_warned_of() {
             assert!(said.contains("holes in crowded cells"), "{said}");
         }
     }
-    let few = [
-        "--frames", "2", "--rays", "1", "--set", "radius=4", "--out", &out,
-    ];
-    let output = gibs(&[&["render"], &small[..], &few].concat());
-    let message = stderr(&output);
-    assert!(message.contains("have had 2 rays in all"), "{message}");
+    // 160 rays in all, of surfels alone.
+    let few = ["--frames", "8", "--rays", "20"];
+    for command in ["render", "stress", "roam"] {
+        let mut args = [&[command], &small[..], &few].concat();
+        if command == "render" {
+            args.extend(["--out", &out]);
+        }
+        let message = stderr(&gibs(&args));
+        let had = "surfels have had 160 rays in all";
+        assert!(message.contains(had), "{command}: {message}");
+    }
 }
