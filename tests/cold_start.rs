@@ -1,7 +1,7 @@
 //! Surfels from an empty cache against path tracing: the aims that `docs/accuracy.md` has figures for, on smaller pictures.
 mod common;
 
-use common::{cpu, scenes};
+use common::{cpu, sponza};
 use gibs::compare::{CompareOptions, Metrics, compare};
 use gibs::graph::DispatchArgs;
 use gibs::passes::frame::Settings;
@@ -9,7 +9,7 @@ use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::reference::{ReferenceOptions, reference};
 use gibs::view::View;
-use gibs::{Renderer, builtin, gltf_import};
+use gibs::{Renderer, builtin};
 
 /// A picture, and the rays of a frame.
 #[derive(Clone, Copy)]
@@ -162,14 +162,8 @@ fn an_atrium_is_right_after_few_frames() {
 /// few pixels hangs on single ones; over all of them it is a fifty-third (`docs/accuracy.md`).
 #[test]
 fn sponza_is_right_after_few_frames() {
-    let Some(scenes) = scenes() else {
-        eprintln!("not run: there are no scenes beside the project");
+    let Some(scene) = sponza("view-b.json") else {
         return;
     };
-    let folder = scenes.join("sponza");
-    let scene = gltf_import::load(&folder.join("sponza.gltf"))
-        .expect("loads")
-        .scene;
-    let view = View::load(folder.join("view-b.json")).expect("loads");
-    is_right("sponza b", &(scene, view), WHOLE, [1.0 / 20.0, 0.18, 0.12]);
+    is_right("sponza b", &scene, WHOLE, [1.0 / 20.0, 0.18, 0.12]);
 }

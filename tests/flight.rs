@@ -1,12 +1,12 @@
 //! A camera on its way: surfels keep up with it, within their slots.
 mod common;
 
-use common::{cpu, scenes};
+use common::{cpu, sponza};
 use gibs::measure::{CameraPath, roam};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::view::View;
-use gibs::{RenderError, Renderer, builtin, gltf_import};
+use gibs::{RenderError, Renderer, builtin};
 use std::path::Path;
 
 /// Frames until the first surfels have covered what they can.
@@ -68,15 +68,9 @@ fn surfels_keep_up_with_a_camera() {
 /// Measured: 0.4 % and 0.9 %.
 #[test]
 fn surfels_keep_up_through_sponza() {
-    let Some(scenes) = scenes() else {
-        eprintln!("not run: there are no scenes beside the project");
+    let Some((scene, view)) = sponza("view-a.json") else {
         return;
     };
-    let folder = scenes.join("sponza");
-    let scene = gltf_import::load(&folder.join("sponza.gltf"))
-        .expect("loads")
-        .scene;
-    let view = View::load(folder.join("view-a.json")).expect("loads");
     fly(
         &scene,
         &view,

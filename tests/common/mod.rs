@@ -1,12 +1,12 @@
 //! What several tests share.
 #![allow(dead_code, reason = "each test uses a part")]
-use gibs::Renderer;
 use gibs::backends::{self, Choice};
 use gibs::graph::{Backend, BackendError};
 use gibs::passes::frame::Settings;
 use gibs::passes::scene::Scene;
 use gibs::picture::Picture;
 use gibs::view::View;
+use gibs::{Renderer, gltf_import};
 use std::path::{Path, PathBuf};
 
 /// Every backend that this build has. One that the machine lacks is a failure under `GIBS_STRICT=1`; else it is
@@ -167,4 +167,16 @@ pub fn scenes() -> Option<PathBuf> {
         folder.display()
     );
     found
+}
+
+/// Sponza from the scenes beside the project, with one of its views; nothing, and a word about it, where there are none.
+pub fn sponza(view: &str) -> Option<(Scene, View)> {
+    let Some(scenes) = scenes() else {
+        eprintln!("not run: there are no scenes beside the project");
+        return None;
+    };
+    let folder = scenes.join("sponza");
+    let imported = gltf_import::load(&folder.join("sponza.gltf")).expect("loads");
+    let view = View::load(folder.join(view)).expect("loads");
+    Some((imported.scene, view))
 }
