@@ -123,20 +123,13 @@ impl CpuExecutable {
         // Enough pieces to balance, few enough that a piece is worth a thread's while. All that costs time may lie in a few places, as
         // live surfels do in a buffer with room for many more.
         let piece = (total / (threads as u32).saturating_mul(128)).clamp(1, MOST_GROUPS_A_PIECE);
-        let pieces = total.div_ceil(piece);
-        self.shares.deal(pieces);
-        let shares = &self.shares;
-        let work = || {
-            let thread = rayon::current_thread_index().unwrap_or(0);
-            let mut done = 0;
-            while let Some(place) = shares.next(thread) {
-                done += 1;
+        let shares = &mut self.shares;
+        let all = || {
+            shares.run(total.div_ceil(piece), |place| {
                 let first = place * piece;
                 (first..total.min(first.saturating_add(piece))).for_each(run);
-            }
-            shares.finish(done);
+            });
         };
-        let all = || on_threads(threads.min(pieces as usize), &work);
         // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing
         // else is broken by it.
         let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(all));
@@ -178,20 +171,6 @@ impl CpuExecutable {
                 })
             })
             .collect()
-    }
-}
-
-/// Runs `work` as often as there are threads that may take part, and allocates nothing for it.
-fn on_threads(threads: usize, work: &(impl Fn() + Sync)) {
-    match threads {
-        0 | 1 => work(),
-        _ => {
-            let half = threads / 2;
-            rayon::join(
-                || on_threads(threads - half, work),
-                || on_threads(half, work),
-            );
-        }
     }
 }
 

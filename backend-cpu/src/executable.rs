@@ -6,7 +6,6 @@ use gibs_graph::{
     Action, BackendError, Executable, RawView, Resource, ResourceId, Schedule, StepTime,
     check_image, check_range, check_step, unknown_step,
 };
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -72,9 +71,9 @@ impl CpuExecutable {
         match &step.action {
             Action::Clear(resource) => {
                 let bytes = schedule.resources[*resource as usize].bytes as usize;
-                self.home(*resource).current.bytes_mut()[..bytes]
-                    .par_chunks_mut(1 << 20)
-                    .for_each(|chunk| chunk.fill(0));
+                let home = schedule.resources[*resource as usize].home;
+                let memory = &mut self.allocations[home as usize].current;
+                memory.clear(bytes, &mut self.shares);
                 Ok(())
             }
             Action::Dispatch(dispatch) => self.dispatch(&step.label, dispatch),

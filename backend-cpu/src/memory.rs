@@ -1,4 +1,5 @@
 //! Memory of resources: aligned to cache lines, zeroed.
+use crate::shares::Shares;
 use gibs_graph::{BackendError, Initial, Kind, Resource};
 use std::alloc::Layout;
 use std::ptr::NonNull;
@@ -59,6 +60,19 @@ impl Memory {
         self.start.as_ptr()
     }
 
+    /// Sets the first bytes to zero, on all threads: each clears the part that it will have of a dispatch over them.
+    pub fn clear(&mut self, bytes: usize, shares: &mut Shares) {
+        const PIECE: usize = 1 << 15;
+        let start = Start(self.start);
+        let bytes = bytes.min(self.bytes);
+        // Fewer than 2^32 pieces, as long as an address has 47 bits.
+        shares.run(bytes.div_ceil(PIECE) as u32, |piece| {
+            let first = piece as usize * PIECE;
+            // SAFETY: the piece lies within the memory, which `&mut self` borrows, and nobody else clears it.
+            unsafe { start.at(first).write_bytes(0, PIECE.min(bytes - first)) };
+        });
+    }
+
     pub fn bytes(&self) -> &[u8] {
         // SAFETY: the allocation is zeroed and has `bytes` bytes from `start`, which is less than `align` into it.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.bytes) }
@@ -67,6 +81,22 @@ impl Memory {
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         // SAFETY: as in `bytes`; `&mut self` makes it the only reference.
         unsafe { std::slice::from_raw_parts_mut(self.start.as_ptr(), self.bytes) }
+    }
+}
+
+/// A place that threads share.
+#[derive(Clone, Copy)]
+struct Start(NonNull<u8>);
+
+// SAFETY: it is only a place; who writes where is up to those who do.
+unsafe impl Sync for Start {}
+
+impl Start {
+    /// # Safety
+    /// `offset` lies within the allocation.
+    unsafe fn at(self, offset: usize) -> NonNull<u8> {
+        // SAFETY: as the caller says.
+        unsafe { self.0.add(offset) }
     }
 }
 
@@ -163,5 +193,25 @@ mod tests {
             made.err(),
             Some(BackendError::OutOfMemory { resource, bytes, .. }) if named(&resource, bytes)
         ));
+    }
+
+    #[test]
+    fn clearing_clears_what_it_is_asked_to() {
+        const WORDS: u64 = 100_001;
+        let mut g = Graph::new("test");
+        let words = g.input::<u32>("words", WORDS);
+        g.output("words", &words);
+        let schedule = g.compile(None).expect("it is sound");
+        let made = Allocation::new(&schedule.resources[0]);
+        let memory = &mut made.expect("there is room").current;
+        for threads in [1, 2, 5] {
+            for bytes in [0, 4, 1 << 15, (1 << 15) + 4, 4 * WORDS as usize] {
+                memory.bytes_mut().fill(0xff);
+                memory.clear(bytes, &mut Shares::new(threads));
+                let (cleared, rest) = memory.bytes().split_at(bytes);
+                assert!(cleared.iter().all(|&byte| byte == 0), "{bytes} bytes");
+                assert!(rest.iter().all(|&byte| byte == 0xff), "{bytes} bytes");
+            }
+        }
     }
 }

@@ -58,8 +58,24 @@ impl Shares {
         }
     }
 
+    /// Runs all of so many pieces, on a thread of the pool.
+    pub fn run(&mut self, pieces: u32, piece: impl Fn(u32) + Sync) {
+        self.deal(pieces);
+        let shares = &*self;
+        let work = || {
+            let thread = rayon::current_thread_index().unwrap_or(0);
+            let mut done = 0;
+            while let Some(place) = shares.next(thread) {
+                done += 1;
+                piece(place);
+            }
+            shares.finish(done);
+        };
+        on_threads(self.shares.len().min(pieces as usize), &work);
+    }
+
     /// Deals out `pieces` in order, to each thread as many, give or take one.
-    pub fn deal(&mut self, pieces: u32) {
+    fn deal(&mut self, pieces: u32) {
         let threads = self.shares.len() as u64;
         *self.unfinished.get_mut() = u64::from(pieces);
         // Below 2^32: thread <= threads.
@@ -70,7 +86,7 @@ impl Shares {
     }
 
     /// The next piece for a thread: of its own, then the last ones of others.
-    pub fn next(&self, thread: usize) -> Option<u32> {
+    fn next(&self, thread: usize) -> Option<u32> {
         let threads = self.shares.len();
         let own = thread % threads;
         let others = || (1..threads).find_map(|n| self.shares[(own + n) % threads].take(true));
@@ -80,7 +96,7 @@ impl Shares {
     /// Says that a thread has done so many pieces and found no more, and stays for the others' last ones, which take
     /// microseconds. Sent back to its pool at once, it would fall asleep and be late for the next step by what the system
     /// takes to wake it. Where others take long, or never say so because a kernel panicked, it leaves.
-    pub fn finish(&self, pieces: u64) {
+    fn finish(&self, pieces: u64) {
         let left = self.unfinished.fetch_sub(pieces, Ordering::Relaxed) - pieces;
         if left == 0 {
             return;
@@ -94,6 +110,20 @@ impl Shares {
             }
             // Who waits has nothing to do: where other programs wait for the processor, they go first.
             std::thread::yield_now();
+        }
+    }
+}
+
+/// Runs `work` as often as there are threads that may take part, and allocates nothing for it.
+fn on_threads(threads: usize, work: &(impl Fn() + Sync)) {
+    match threads {
+        0 | 1 => work(),
+        _ => {
+            let half = threads / 2;
+            rayon::join(
+                || on_threads(threads - half, work),
+                || on_threads(half, work),
+            );
         }
     }
 }

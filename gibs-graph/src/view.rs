@@ -77,6 +77,7 @@ impl<'a> RawView<'a> {
     }
 
     /// The port was declared for this kind of view: what keeps slices and writes of one binding apart.
+    #[inline]
     fn expect(&self, fits: bool) {
         assert!(
             fits || self.bytes == 0,
@@ -85,6 +86,7 @@ impl<'a> RawView<'a> {
         );
     }
 
+    #[inline]
     fn len_of<T>(&self) -> usize {
         const {
             assert!(size_of::<T>() > 0, "an element has bytes");
@@ -106,6 +108,7 @@ impl<'a, T: Element> ReadView<'a, T> {
     ///
     /// # Panics
     /// If the port writes.
+    #[inline]
     pub fn of(raw: RawView<'a>) -> Self {
         raw.expect(!raw.access.writes());
         // SAFETY: the memory is valid and initialized for 'a (RawView::new), T is plain data of at most its
@@ -119,6 +122,7 @@ impl<'a, T: Element> ReadView<'a, T> {
     }
 
     /// The elements, for as long as the stage runs.
+    #[inline]
     pub fn slice(self) -> &'a [T] {
         self.0
     }
@@ -145,6 +149,7 @@ impl<'a, T: Element> WriteView<'a, T> {
     ///
     /// # Panics
     /// If the port does not write, or is atomic.
+    #[inline]
     pub fn of(raw: RawView<'a>, group: u32) -> Self {
         raw.expect(raw.access.writes() && raw.access != Access::Atomic);
         Self {
@@ -156,11 +161,13 @@ impl<'a, T: Element> WriteView<'a, T> {
     }
 
     /// Number of elements.
+    #[inline]
     pub fn len(&self) -> usize {
         self.len
     }
 
     /// There are no elements.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -225,6 +232,7 @@ impl<'a> AtomicView<'a> {
     ///
     /// # Panics
     /// If the port is not atomic.
+    #[inline]
     pub fn of(raw: RawView<'a>) -> Self {
         raw.expect(raw.access == Access::Atomic);
         // SAFETY: the memory is valid and initialized for 'a, aligned, and only touched through atomics during 'a:
@@ -235,26 +243,31 @@ impl<'a> AtomicView<'a> {
     }
 
     /// Adds, wrapping, and returns the value before.
+    #[inline]
     pub fn add(&self, index: usize, value: u32) -> u32 {
         self.0[index].fetch_add(value, Ordering::Relaxed)
     }
 
     /// Keeps the larger.
+    #[inline]
     pub fn max(&self, index: usize, value: u32) -> u32 {
         self.0[index].fetch_max(value, Ordering::Relaxed)
     }
 
     /// Keeps the smaller.
+    #[inline]
     pub fn min(&self, index: usize, value: u32) -> u32 {
         self.0[index].fetch_min(value, Ordering::Relaxed)
     }
 
     /// The value now.
+    #[inline]
     pub fn load(&self, index: usize) -> u32 {
         self.0[index].load(Ordering::Relaxed)
     }
 
     /// Replaces the value.
+    #[inline]
     pub fn store(&self, index: usize, value: u32) {
         self.0[index].store(value, Ordering::Relaxed);
     }
@@ -276,11 +289,13 @@ impl<'a> AtomicView<'a> {
     }
 
     /// Number of integers.
+    #[inline]
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
     /// There are none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
