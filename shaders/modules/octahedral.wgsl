@@ -1,6 +1,9 @@
 // Unit vectors in squares (Cigolle et al. 2014, "Survey of Efficient Representations for Independent Unit Vectors").
 import package::vector::vector_normalize;
 
+/// Part of a square's side that a step of a packed vector is.
+const OCTAHEDRAL_STEP: f32 = 1.0 / 65535.0;
+
 fn octahedral_sign(x: f32) -> f32 {
     return select(-1.0, 1.0, x >= 0.0);
 }
@@ -11,8 +14,8 @@ fn octahedral_fold(p: vec2<f32>) -> vec2<f32> {
 
 /// Unit vector to `[-1, 1]^2`, the whole sphere.
 fn octahedral_encode(n: vec3<f32>) -> vec2<f32> {
-    let sum = abs(n.x) + abs(n.y) + abs(n.z);
-    let p = vec2<f32>(n.x / sum, n.y / sum);
+    let scale = 1.0 / (abs(n.x) + abs(n.y) + abs(n.z));
+    let p = n.xy * scale;
     return select(octahedral_fold(p), p, n.z >= 0.0);
 }
 
@@ -33,8 +36,8 @@ fn octahedral_pack(n: vec3<f32>) -> u32 {
 
 /// Inverse of `octahedral_pack`.
 fn octahedral_unpack(bits: u32) -> vec3<f32> {
-    let x = f32(bits & 0xffffu) / 65535.0 * 2.0 - 1.0;
-    let y = f32(bits >> 16u) / 65535.0 * 2.0 - 1.0;
+    let x = f32(bits & 0xffffu) * OCTAHEDRAL_STEP * 2.0 - 1.0;
+    let y = f32(bits >> 16u) * OCTAHEDRAL_STEP * 2.0 - 1.0;
     return octahedral_decode(vec2<f32>(x, y));
 }
 

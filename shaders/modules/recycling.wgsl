@@ -6,8 +6,8 @@ const RECYCLING_EASE: f32 = 0.5;
 const RECYCLING_PATIENCE: u32 = 16u;
 /// The same when all slots are in use.
 const RECYCLING_LEAST_PATIENCE: u32 = 5u;
-/// Frames unseen of a surfel whose node is gone.
-const RECYCLING_LOST: u32 = 0xffffffffu;
+/// In place of the frames unseen of a surfel that goes before the next frame.
+const RECYCLING_CHOSEN: u32 = 0xffffffffu;
 /// Chance per frame of an unseen surfel, while nothing presses.
 const RECYCLING_CALM: f32 = 1.0 / 1200.0;
 /// Chance per frame of an unseen surfel when all slots are in use.
@@ -23,16 +23,18 @@ const RECYCLING_THINNING: f32 = 0.5;
 /// Frames in one of which a surfel looks around for a crowd.
 const RECYCLING_LOOKS_EVERY: u32 = 8u;
 
+/// Frames unseen, one later.
+fn recycling_one_more(unseen: u32) -> u32 {
+    return min(unseen + 1u, RECYCLING_CHOSEN - 1u);
+}
+
 /// Whether a surfel looks around for a crowd in a frame.
 fn recycling_looks(identity: u32, frame: u32) -> bool {
     return (identity + frame) % RECYCLING_LOOKS_EVERY == 0u;
 }
 
-/// Chance that a surfel goes this frame.
+/// Chance that a surfel goes before the next frame.
 fn recycling_chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
-    if unseen == RECYCLING_LOST {
-        return 1.0;
-    }
     let pressure = clamp((used - RECYCLING_EASE) / (1.0 - RECYCLING_EASE), 0.0, 1.0);
     let squared = pressure * pressure;
     let fourth = squared * squared;

@@ -38,6 +38,9 @@ const SHARING_VARIANCE_BITS: u32 = 10u;
 /// The variance of a ray is said to be no more than this.
 const SHARING_MOST_VARIANCE: f32 = 1048576.0;
 
+/// In place of what was packed, for a surfel that is to ask: no rays are so many.
+const SHARING_ASKS: u32 = 0xffffffffu;
+
 /// What a surfel's neighbours say about its irradiance: its mean, how far to trust it, and how many of the surfel's own rays
 /// are as good.
 struct SharingSaid {

@@ -278,4 +278,5 @@ struct SurfelCounters {
     starved: u32,
     born: u32,
     recycled: u32,
+    used: u32,
 }

@@ -111,8 +111,7 @@ fn is_fine(point: vec3<f32>) -> bool {
     for (var i = 0u; i < min(cell.y, settings.lookup); i++) {
         let pose = poses[entries[cell.x + i]];
         let d = pose.position - point;
-        // A slot that was freed in this frame is still listed.
-        let is_small = pose.radius > 0.0 && pose.radius < FINE * open;
+        let is_small = pose.radius < FINE * open;
         if is_small && vector_dot(d, d) < open * open {
             return true;
         }

@@ -1,15 +1,12 @@
-// The lists of the cells without the surfels that are gone, with room behind for those that were born.
+// Lists that new surfels join, to the second half of the entries, where there is room behind them for those.
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_DROPPED;
 
-@group(0) @binding(0) var<storage, read> gone: array<u32>;
-@group(0) @binding(1) var<storage, read> old_cells: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> old_entries: array<u32>;
-@group(0) @binding(3) var<storage, read> starts: array<u32>;
-@group(0) @binding(4) var<storage, read> counts: array<u32>;
-@group(0) @binding(5) var<storage, read_write> entries: array<u32>;
-@group(0) @binding(6) var<storage, read_write> cells: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(0) @binding(0) var<storage, read> starts: array<u32>;
+@group(0) @binding(1) var<storage, read> counts: array<u32>;
+@group(0) @binding(2) var<storage, read_write> entries: array<u32>;
+@group(0) @binding(3) var<storage, read_write> cells: array<vec2<u32>>;
+@group(0) @binding(4) var<storage, read_write> overflow: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -18,26 +15,21 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let cell = invocation_index(group, groups, 64u, lane);
-    if cell >= arrayLength(&cells) {
+    if cell >= arrayLength(&counts) || counts[cell] == 0u {
         return;
     }
-    let start = 2u * starts[cell];
     let count = counts[cell];
     let room = arrayLength(&entries);
-    let old = old_cells[cell];
+    let start = room / 2u + 2u * starts[cell];
+    let old = cells[cell];
     if old.x == LOOKUP_DROPPED || 2u * count > room || start > room - 2u * count {
         atomicAdd(&overflow[0], count);
         cells[cell] = vec2<u32>(LOOKUP_DROPPED, 0u);
         return;
     }
-    var next = start;
     for (var i = 0u; i < old.y; i++) {
-        let id = old_entries[old.x + i];
-        if gone[id] == 0u {
-            entries[next] = id;
-            entries[next + count] = old_entries[old.x + old.y + i];
-            next += 1u;
-        }
+        entries[start + i] = entries[old.x + i];
+        entries[start + count + i] = entries[old.x + old.y + i];
     }
     cells[cell] = vec2<u32>(start, count);
 }

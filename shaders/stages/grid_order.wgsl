@@ -26,7 +26,7 @@ fn main(
     }
     let start = 2u * starts[cell];
     let count = counts[cell];
-    let room = arrayLength(&entries);
+    let room = arrayLength(&entries) / 2u;
     if 2u * count > room || start > room - 2u * count {
         atomicAdd(&overflow[0], count);
         cells[cell] = vec2<u32>(LOOKUP_DROPPED, 0u);

@@ -34,7 +34,7 @@ fn main(
                 for (var x = span.low.x; x <= span.high.x; x++) {
                     let cell = span.base + (z * grid.side + y) * grid.side + x;
                     let slot = 2u * starts[cell] + atomicAdd(&cursors[cell], 1u);
-                    if slot < arrayLength(&entries) {
+                    if slot < arrayLength(&entries) / 2u {
                         entries[slot] = i;
                     }
                 }

@@ -19,7 +19,7 @@ fn main(
         return;
     }
     if poses[i].radius > 0.0 {
-        atomicAdd(&marks[i], 1u);
+        atomicAdd(&marks[i], select(2u, 1u, i < counters[0].used));
     }
     if i >= counters[0].live && free_slots[i] < settings.capacity {
         atomicAdd(&marks[free_slots[i]], 1u);

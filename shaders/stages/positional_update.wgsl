@@ -6,7 +6,7 @@ import package::lengths::{lengths_down, lengths_pack, lengths_up};
 import package::mark::{mark_identity, mark_of};
 import package::octahedral::octahedral_unpack;
 import package::plane::plane_pack;
-import package::recycling::RECYCLING_LOST;
+import package::recycling::{RECYCLING_CHOSEN, recycling_one_more};
 import package::surfel::{SURFEL_LEARNS_FOR, SURFEL_LEARNS_UP_TO, SURFEL_SHRINKS_TO, surfel_radius_at};
 import package::types::{
     Camera, Frame, GridShape, SurfelBirth, SurfelPose, SurfelSettings, Transform
@@ -22,6 +22,7 @@ import package::vector::vector_normalize;
 @group(0) @binding(6) var<storage, read_write> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read_write> unseen: array<u32>;
 @if(depths) @group(0) @binding(8) var<storage, read_write> depths: array<u32>;
+@group(0) @binding(9) var<storage, read_write> gone: array<u32>;
 
 /// The depth function follows the radius, over twice which its distances are.
 @if(depths)
@@ -80,15 +81,16 @@ fn main(
     }
     let pose = poses[i];
     if pose.radius <= 0.0 {
+        gone[i] = 0u;
         return;
     }
-    unseen[i] = max(unseen[i], unseen[i] + 1u);
     let birth = births[i];
-    // The scene has lost the surfel's node: it goes in this frame.
-    if birth.transform_id >= arrayLength(&transforms) {
-        unseen[i] = RECYCLING_LOST;
+    if unseen[i] == RECYCLING_CHOSEN || birth.transform_id >= arrayLength(&transforms) {
+        gone[i] = 1u;
         return;
     }
+    gone[i] = 0u;
+    unseen[i] = recycling_one_more(unseen[i]);
     let transform = transforms[birth.transform_id];
     let position = affine_map_point(transform.to_world, birth.position);
     let normal = vector_normalize(affine_map_transposed(transform.to_local, octahedral_unpack(birth.normal)));

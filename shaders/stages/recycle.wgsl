@@ -4,7 +4,7 @@ import package::hash::{hash_hash3, hash_unit};
 import package::invocation::invocation_index;
 import package::lookup::LOOKUP_PEAK;
 import package::mark::mark_identity;
-import package::recycling::{recycling_chance, recycling_looks};
+import package::recycling::{RECYCLING_CHOSEN, recycling_chance, recycling_looks};
 import package::types::{Camera, Frame, GridShape, SurfelCounters, SurfelPose, SurfelSettings};
 import package::vector::vector_length;
 
@@ -17,8 +17,7 @@ import package::vector::vector_length;
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
 @if(depths) @group(0) @binding(7) var<storage, read> depths: array<u32>;
 @group(0) @binding(8) var<storage, read> counters: array<SurfelCounters>;
-@group(0) @binding(9) var<storage, read> unseen: array<u32>;
-@group(0) @binding(10) var<storage, read_write> gone: array<u32>;
+@group(0) @binding(9) var<storage, read_write> unseen: array<u32>;
 
 /// The surfel that looks around, and what it adds to the coverage of its place: in a long list a lookup may not visit it.
 var<private> looking: u32;
@@ -37,12 +36,11 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= arrayLength(&gone) {
+    if i >= arrayLength(&poses) {
         return;
     }
     let pose = poses[i];
     if pose.radius <= 0.0 {
-        gone[i] = 0u;
         return;
     }
     let used = f32(counters[0].live) / f32(max(settings.capacity, 1u));
@@ -56,5 +54,7 @@ fn main(
     let distance = vector_length(pose.position - camera.eye) / grid.half;
     let chance = recycling_chance(used, unseen[i], distance, others / settings.coverage);
     let random = hash_unit(hash_hash3(mark_identity(pose.mark), frame.number, frame.seed));
-    gone[i] = select(0u, 1u, random < chance);
+    if random < chance {
+        unseen[i] = RECYCLING_CHOSEN;
+    }
 }

@@ -7,7 +7,7 @@ import package::grid::grid_cell;
 import package::invocation::invocation_index;
 import package::lookup::{lookup_alignment, lookup_nearness, lookup_trust};
 import package::sharing::{
-    SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_VARIANCE, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_is_due, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
+    SHARING_ASKS, SHARING_LEAST_SPREAD, SHARING_LEAST_WEIGHT, SHARING_MOST_RAYS, SHARING_MOST_VARIANCE, SHARING_MOST_WORTH, SHARING_OWN_PART, SHARING_OWN_RAYS, SHARING_REACH, SharingSaid, sharing_asks, sharing_light, sharing_mean_variance, sharing_pack, sharing_unpack
 };
 import package::types::{
     Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings
@@ -21,9 +21,8 @@ import package::types::{
 @group(0) @binding(5) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(6) var<storage, read> irradiance: array<SurfelIrradiance>;
 @if(depths) @group(0) @binding(7) var<storage, read> depths: array<u32>;
-@group(0) @binding(8) var<storage, read> forget: array<vec2<f32>>;
-@group(0) @binding(9) var<storage, read_write> neighbours: array<Neighbours>;
-@group(0) @binding(10) var<storage, read_write> light: array<SurfelLight>;
+@group(0) @binding(8) var<storage, read_write> neighbours: array<Neighbours>;
+@group(0) @binding(9) var<storage, read_write> light: array<SurfelLight>;
 
 @if(depths)
 fn visible_share(id: u32, pose: SurfelPose, d: vec3<f32>) -> f32 {
@@ -130,24 +129,14 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let i = invocation_index(group, groups, 64u, lane);
-    if i >= arrayLength(&poses) {
+    if i >= arrayLength(&poses) || neighbours[i].packed != SHARING_ASKS {
         return;
     }
     let state = irradiance[i];
-    let pose = poses[i];
-    if pose.radius <= 0.0 {
-        return;
+    var told = Neighbours();
+    if sharing_asks(state) {
+        told = sharing_pack(ask(i));
     }
-    let share = forget[grid_cell(pose.position, grid)].x;
-    if sharing_is_due(i, state, share, frame.number) {
-        if sharing_asks(state) {
-            neighbours[i] = sharing_pack(ask(i));
-        } else {
-            neighbours[i] = Neighbours();
-        }
-    }
-    let said = sharing_unpack(neighbours[i]);
-    if said.trust > 0.0 {
-        light[i] = sharing_light(state, frame.number - state.since, said);
-    }
+    neighbours[i] = told;
+    light[i] = sharing_light(state, frame.number - state.since, sharing_unpack(told));
 }

@@ -10,6 +10,7 @@ fn main() {
     let wanted = total[0];
     let born = min(wanted, settings.capacity - counters[0].live);
     counters[0].live += born;
+    counters[0].used = max(counters[0].used, counters[0].live);
     counters[0].born += born;
     counters[0].starved += wanted - born;
 }

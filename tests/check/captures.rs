@@ -86,7 +86,7 @@ fn a_capture_replays_on_every_backend() {
         ("TraceClosest", "hits"),
         ("GridScatter", "entries"),
         ("Compose", "color"),
-        ("ScanBlocks", "sums"),
+        ("GridOrder", "cells"),
     ] {
         let capture = captured(stage, port);
         let [oracle, damaged] = &capture.results[..] else {

@@ -37,7 +37,7 @@ fn transform_ids_are_those_of_the_surfaces() {
 fn cell_heat_is_the_length_of_the_cells_list() {
     let mut renderer = rendered(DebugView::CellHeat, 5);
     let shape: GridShape = buffer(&mut renderer, "grid")[0];
-    let cells: Vec<UVec2> = buffer(&mut renderer, "injected_cells");
+    let cells: Vec<UVec2> = buffer(&mut renderer, "grid_cells");
     let points: Vec<SurfacePoint> = renderer.output("points").expect("an output");
     let values = values(&mut renderer);
     for (value, point) in values.iter().zip(&points) {

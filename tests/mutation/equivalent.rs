@@ -14,7 +14,7 @@ struct Equivalent {
     reason: &'static str,
 }
 
-const EQUIVALENT: [Equivalent; 34] = [
+const EQUIVALENT: [Equivalent; 33] = [
     Equivalent {
         kernels: &["*"],
         what: "octahedral_fold: Multiply to Divide",
@@ -222,12 +222,6 @@ const EQUIVALENT: [Equivalent; 34] = [
         what: "constant LEAST_DISTANCE",
         line: "",
         reason: "the view of radii binds none of these",
-    },
-    Equivalent {
-        kernels: &["share_irradiance*"],
-        what: "main: Greater to GreaterEqual",
-        line: "if said.trust > 0.0 {",
-        reason: "of neighbours that say nothing, the light is what `integrate` has just written",
     },
 ];
 

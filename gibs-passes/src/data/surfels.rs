@@ -157,5 +157,7 @@ element! {
         born: u32,
         /// Surfels that gave up their slots since the start, wrapping.
         recycled: u32,
+        /// Slots that have ever been in use: those below this. The stack gives out no other while one of them is free.
+        used: u32,
     }
 }

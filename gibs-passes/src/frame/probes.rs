@@ -131,6 +131,7 @@ pub fn probe_frame(g: &mut Graph, frame: &ProbeFrame, sky: &EnvironmentTable) {
             forget: &forget,
             irradiance,
             light,
+            neighbours: None,
             clamped: None,
         },
         Dispatch::Elements(probes),

@@ -131,8 +131,11 @@ pub fn at_points(
 ) {
     for start in range.clone().step_by(AT_A_TIME) {
         let points = &points[start..range.end.min(start + AT_A_TIME)];
-        let point = |i: usize| points.get(i).filter(|point| surface::is_surface(point));
-        each(start, points.len(), &std::array::from_fn(point));
+        let mut surfaces = [None; AT_A_TIME];
+        for (place, point) in surfaces.iter_mut().zip(points) {
+            *place = Some(point).filter(|point| surface::is_surface(point));
+        }
+        each(start, points.len(), &surfaces);
     }
 }
 

@@ -9,8 +9,8 @@ fn sign(x: f32) -> f32 {
 /// Unit vector to `[-1, 1]^2`, the whole sphere.
 #[inline]
 pub fn encode(n: Vec3) -> Vec2 {
-    let sum = n.x.abs() + n.y.abs() + n.z.abs();
-    let p = Vec2::new(n.x / sum, n.y / sum);
+    let scale = 1.0 / (n.x.abs() + n.y.abs() + n.z.abs());
+    let p = Vec2::new(n.x * scale, n.y * scale);
     if n.z >= 0.0 {
         p
     } else {
@@ -30,6 +30,10 @@ pub fn decode(p: Vec2) -> Vec3 {
     Vec3::new(q.x, q.y, z).normalize()
 }
 
+/// Part of a square's side that a step of a packed vector is. A product of it is doubled, not one of twice as much, so that no
+/// fused operation rounds otherwise.
+pub const STEP: f32 = 1.0 / 65_535.0;
+
 /// A unit vector in 32 bits; the angle to the original stays below 1e-4.
 #[inline]
 pub fn pack(n: Vec3) -> u32 {
@@ -42,8 +46,8 @@ pub fn pack(n: Vec3) -> u32 {
 /// Inverse of [`pack`].
 #[inline]
 pub fn unpack(bits: u32) -> Vec3 {
-    let x = (bits & 0xffff) as f32 / 65_535.0 * 2.0 - 1.0;
-    let y = (bits >> 16) as f32 / 65_535.0 * 2.0 - 1.0;
+    let x = (bits & 0xffff) as f32 * STEP * 2.0 - 1.0;
+    let y = (bits >> 16) as f32 * STEP * 2.0 - 1.0;
     decode(Vec2::new(x, y))
 }
 

@@ -9,8 +9,14 @@ pub const PATIENCE: u32 = 16;
 /// The same when all slots are in use: at half resolution, a pixel's surfels are known to be seen only every fourth frame.
 pub const LEAST_PATIENCE: u32 = 5;
 
-/// Frames unseen of a surfel whose node is gone.
-pub const LOST: u32 = u32::MAX;
+/// In place of the frames unseen of a surfel that goes before the next frame.
+pub const CHOSEN: u32 = u32::MAX;
+
+/// Frames unseen, one later.
+#[inline]
+pub fn one_more(unseen: u32) -> u32 {
+    unseen.wrapping_add(1).min(CHOSEN - 1)
+}
 
 /// Chance per frame of an unseen surfel, while nothing presses: one in twenty seconds goes, at sixty frames a second.
 pub const CALM: f32 = 1.0 / 1200.0;
@@ -41,14 +47,11 @@ pub fn looks(identity: u32, frame: u32) -> bool {
     identity.wrapping_add(frame).is_multiple_of(LOOKS_EVERY)
 }
 
-/// Chance that a surfel goes this frame: `used` is the share of slots in use, `unseen` the frames since a pixel saw it,
+/// Chance that a surfel goes before the next frame: `used` is the share of slots in use, `unseen` the frames since a pixel saw it,
 /// `distance` that to the eye over the half size of the centre cube, `others` what other surfels cover its place, over
 /// the coverage at which spawning stops, 0 where it does not look.
 #[inline]
 pub fn chance(used: f32, unseen: u32, distance: f32, others: f32) -> f32 {
-    if unseen == LOST {
-        return 1.0;
-    }
     let pressure = ((used - EASE) / (1.0 - EASE)).clamp(0.0, 1.0);
     let squared = pressure * pressure;
     let fourth = squared * squared;
@@ -82,8 +85,10 @@ mod tests {
     }
 
     #[test]
-    fn what_lost_its_node_goes() {
-        assert_eq!(chance(0.0, LOST, 0.0, 0.0), 1.0);
+    fn no_surfel_is_chosen_by_being_unseen_for_long() {
+        assert_eq!(one_more(0), 1);
+        assert_eq!(one_more(CHOSEN - 2), CHOSEN - 1);
+        assert_eq!(one_more(CHOSEN - 1), CHOSEN - 1);
     }
 
     #[test]

@@ -74,10 +74,10 @@ pub struct Said {
 }
 
 /// Steps of a packed trust.
-const TRUST_STEPS: f32 = 255.0;
+pub const TRUST_STEPS: f32 = 255.0;
 
 /// Bits of packed rays: the first of their `f32` after the sign, six of them of the mantissa, which errs by 1.6 % at most.
-const RAYS_BITS: u32 = 14;
+pub const RAYS_BITS: u32 = 14;
 
 /// Bits of a packed variance of a ray: the first of its `f32` after the sign, two of them of the mantissa, which errs by a
 /// quarter at most, an eighth of a standard deviation.
@@ -97,6 +97,12 @@ fn first_bits(value: f32, bits: u32) -> u32 {
 fn from_first_bits(first: u32, bits: u32) -> f32 {
     f32::from_bits((first & ((1 << bits) - 1)) << (31 - bits))
 }
+
+/// In place of what was packed, for a surfel that is to ask: no rays are so many.
+pub const ASKS: Neighbours = Neighbours {
+    mean: Vec3::ZERO,
+    packed: u32::MAX,
+};
 
 impl Said {
     /// Trust in bits 0-7, rays in bits 8-21, the variance of a ray in bits 22-31: ratios, so that scaling every light by a power
@@ -142,21 +148,22 @@ pub fn asks(state: &SurfelIrradiance) -> bool {
     state.samples < UNCERTAIN_BEFORE || mean_variance(state) >= CERTAIN * CERTAIN * level * level
 }
 
+/// Whether it is the turn of a surfel, and of those that ask together with it.
+#[inline]
+pub fn is_turn(surfel: u32, frame: u32) -> bool {
+    (surfel / TOGETHER)
+        .wrapping_add(frame)
+        .is_multiple_of(PERIOD)
+}
+
 /// Whether a surfel asks in this frame, where it is to forget a share of what it knows; else what it was told before still
 /// holds.
 #[inline]
-pub fn is_due(
-    surfel: u32,
-    state: &SurfelIrradiance,
-    forget: impl FnOnce() -> f32,
-    frame: u32,
-) -> bool {
+pub fn is_due(surfel: u32, state: &SurfelIrradiance, forget: f32, frame: u32) -> bool {
     state.samples == 0
         || frame.wrapping_sub(state.since) < FRESH
-        || (surfel / TOGETHER)
-            .wrapping_add(frame)
-            .is_multiple_of(PERIOD)
-        || forget() > 0.0
+        || is_turn(surfel, frame)
+        || forget > 0.0
 }
 
 /// Sums over the neighbours of a surfel, itself among them.

@@ -1,6 +1,6 @@
 //! Packing of [`SurfacePoint`]s.
 use crate::data::{NONE, SurfacePoint};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Flag: the emission has no texture, so that emitter sampling covers it.
 pub const EMITTER: u32 = 1 << 16;
@@ -27,12 +27,16 @@ pub fn pack_albedo(albedo: Vec3, flags: u32) -> (u32, u32) {
 /// Albedo of a point.
 #[inline]
 pub fn albedo(point: &SurfacePoint) -> Vec3 {
-    let part = |bits: u32| (bits & 0xffff) as f32 / 65_535.0;
-    Vec3::new(
+    let part = |bits: u32| (bits & 0xffff) as f32;
+    // A product with the reciprocal would be another number where a driver folds it into the next one. One division of four
+    // numbers takes as long as one of one.
+    let steps = Vec4::new(
         part(point.albedo_rg),
         part(point.albedo_rg >> 16),
         part(point.albedo_b_flags),
-    )
+        0.0,
+    );
+    (steps / 65_535.0).truncate()
 }
 
 /// The ray hit something.

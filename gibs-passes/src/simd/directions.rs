@@ -1,6 +1,8 @@
 //! Eight unit vectors: [`crate::shared::octahedral`] and the frames of [`crate::shared::sampling`], operation for operation.
 use std::arch::x86_64::*;
 
+use crate::shared::octahedral;
+
 use super::lanes::{Lanes3, difference, dot, either, magnitude, negated, positive, scaled, sum};
 
 /// `Vec3::normalize`.
@@ -32,22 +34,30 @@ fn folded(p: &[__m256; 2], z: __m256) -> [__m256; 2] {
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn pack(n: &Lanes3) -> __m256i {
+    pack_in_steps::<16>(n, 65_535.0)
+}
+
+/// Unit vectors in two numbers of so many bits, which count so many steps.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn pack_in_steps<const BITS: i32>(n: &Lanes3, steps: f32) -> __m256i {
     let total = _mm256_add_ps(
         _mm256_add_ps(magnitude(n[0]), magnitude(n[1])),
         magnitude(n[2]),
     );
+    let scale = _mm256_div_ps(_mm256_set1_ps(1.0), total);
     let [x, y] = folded(
-        &[_mm256_div_ps(n[0], total), _mm256_div_ps(n[1], total)],
+        &[_mm256_mul_ps(n[0], scale), _mm256_mul_ps(n[1], scale)],
         n[2],
     );
     let half = _mm256_set1_ps(0.5);
     let word = |c| {
         let unit = _mm256_add_ps(_mm256_mul_ps(c, half), half);
-        let steps = _mm256_add_ps(_mm256_mul_ps(unit, _mm256_set1_ps(65_535.0)), half);
+        let steps = _mm256_add_ps(_mm256_mul_ps(unit, _mm256_set1_ps(steps)), half);
         // Not below zero, so that truncation rounds down; zero for what is not a number.
         _mm256_cvttps_epi32(positive(steps))
     };
-    _mm256_or_si256(word(x), _mm256_slli_epi32::<16>(word(y)))
+    _mm256_or_si256(word(x), _mm256_slli_epi32::<BITS>(word(y)))
 }
 
 /// [`crate::shared::octahedral::unpack`].
@@ -57,7 +67,7 @@ pub fn unpack(bits: __m256) -> Lanes3 {
     let bits = _mm256_castps_si256(bits);
     let (one, two) = (_mm256_set1_ps(1.0), _mm256_set1_ps(2.0));
     let signed = |word| {
-        let unit = _mm256_div_ps(_mm256_cvtepi32_ps(word), _mm256_set1_ps(65_535.0));
+        let unit = _mm256_mul_ps(_mm256_cvtepi32_ps(word), _mm256_set1_ps(octahedral::STEP));
         _mm256_sub_ps(_mm256_mul_ps(unit, two), one)
     };
     let p = [

@@ -19,6 +19,34 @@ pub fn all(v: Vec3) -> Lanes3 {
     ]
 }
 
+/// One number, eight times.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn all_lanes(x: f32) -> __m256 {
+    _mm256_set1_ps(x)
+}
+
+/// [`crate::shared::estimator::luminance`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn luminance(c: &Lanes3) -> __m256 {
+    dot(
+        c,
+        &[all_lanes(0.2126), all_lanes(0.7152), all_lanes(0.0722)],
+    )
+}
+
+/// [`crate::stages::resolve_hits::map_transposed`].
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
+    let part = |i: usize| {
+        let [x, y, z, _] = rows[i];
+        scaled(&[x, y, z], v[i])
+    };
+    sum(&sum(&part(0), &part(1)), &part(2))
+}
+
 /// Eight dot products.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
@@ -167,6 +195,15 @@ pub fn larger(a: __m256, b: __m256) -> __m256 {
     _mm256_blendv_ps(_mm256_max_ps(b, a), b, unordered)
 }
 
+/// `f32::min`: the other one where one is not a number.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn smaller(a: __m256, b: __m256) -> __m256 {
+    let unordered = _mm256_cmp_ps::<_CMP_UNORD_Q>(a, a);
+    // The instruction gives its second operand where either is not a number.
+    _mm256_blendv_ps(_mm256_min_ps(b, a), b, unordered)
+}
+
 /// `chosen` in the lanes of a mask, elsewhere `other`.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
@@ -249,6 +286,33 @@ pub fn columns_where<const FIRST: usize, T: Pod>(elements: &[&T; 8], same: bool)
         // SAFETY: the word lies within the element, as asserted, and plain data has no padding.
         _mm256_set1_ps(unsafe { start.add(FIRST + (i & 3)).read_unaligned() })
     })
+}
+
+/// The rows of four columns, by lane.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn rows(columns: &[__m256; 4]) -> [__m128; 8] {
+    let [a, b, c, d] = transposed(columns);
+    let low = |pair| _mm256_castps256_ps128(pair);
+    let high = |pair| _mm256_extractf128_ps::<1>(pair);
+    [
+        low(a),
+        low(b),
+        low(c),
+        low(d),
+        high(a),
+        high(b),
+        high(c),
+        high(d),
+    ]
+}
+
+/// An element from its rows. It need not pass through memory, where vectors of another size could not be read back at once.
+#[inline(always)]
+pub fn element<T: Pod, const N: usize>(rows: [__m128; N]) -> T {
+    const { assert!(size_of::<T>() == N * size_of::<__m128>()) };
+    // SAFETY: any bits are valid in plain data, and the sizes are equal, as asserted.
+    unsafe { std::mem::transmute_copy(&rows) }
 }
 
 /// Inverse of [`columns`].

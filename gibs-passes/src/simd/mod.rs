@@ -9,11 +9,17 @@ mod generate_rays;
 #[cfg(target_arch = "x86_64")]
 mod hashes;
 #[cfg(target_arch = "x86_64")]
+mod integrate;
+#[cfg(target_arch = "x86_64")]
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lookup;
 #[cfg(not(target_arch = "x86_64"))]
 mod lookup_scalar;
+#[cfg(target_arch = "x86_64")]
+mod place;
+#[cfg(target_arch = "x86_64")]
+mod primary_rays;
 #[cfg(target_arch = "x86_64")]
 mod resolve;
 #[cfg(target_arch = "x86_64")]
@@ -35,9 +41,11 @@ pub use {
     crate::shared::grid::overlapped_by,
     crate::stages::{
         continue_paths::continue_each as continue_paths,
-        generate_rays::generate_each as generate_rays, resolve_hits::resolve_each as resolve_hits,
-        sample_lights::sample_each as sample_lights, select_pixels::select_each as select_pixels,
-        shade_hits::shade_each as shade_hits, update_depth::update_each as update_depth,
+        generate_rays::generate_each as generate_rays, integrate::integrate_each as integrate,
+        positional_update::place_each as place, primary_rays::primary_each as primary_rays,
+        resolve_hits::resolve_each as resolve_hits, sample_lights::sample_each as sample_lights,
+        select_pixels::select_each as select_pixels, shade_hits::shade_each as shade_hits,
+        update_depth::update_each as update_depth,
     },
     lookup_scalar::Lookup,
 };
@@ -45,7 +53,10 @@ pub use {
 pub use {
     continue_paths::continue_paths,
     generate_rays::generate_rays,
+    integrate::integrate,
     lookup::{Lookup, overlapped_by},
+    place::place,
+    primary_rays::primary_rays,
     resolve::resolve_hits,
     sample_lights::sample_lights,
     select_pixels::select_pixels,

@@ -131,8 +131,10 @@ fn fill(
     };
     // Looks at pixels of texels, and calls `thin` with the texels that have none there or one that is not covered amply.
     let mut look = |places: &[(u32, u32)], thin: &mut dyn FnMut(u32)| {
-        let point = |i: usize| places.get(i).and_then(|&(lane, turn)| seen(lane, turn));
-        let points: [_; AT_A_TIME] = std::array::from_fn(point);
+        let mut points = [None; AT_A_TIME];
+        for (point, &(lane, turn)) in points.iter_mut().zip(places) {
+            *point = seen(lane, turn);
+        }
         let coverages = coverages(&points, &surfels, p.unseen);
         for ((&(lane, turn), point), coverage) in places.iter().zip(points).zip(coverages) {
             let share = (coverage / (AMPLE * p.settings.coverage)).min(1.0);
@@ -217,8 +219,6 @@ fn is_fine(p: &Views<'_>, surfels: &Surfels<'_>, point: &SurfacePoint) -> bool {
     list.ids.iter().any(|&id| {
         let pose = &p.poses[id as usize];
         let d = pose.position - point.position;
-        // A slot that was freed in this frame is still listed.
-        let is_small = pose.radius > 0.0 && pose.radius < FINE * open;
-        is_small && d.dot(d) < open * open
+        pose.radius < FINE * open && d.dot(d) < open * open
     })
 }

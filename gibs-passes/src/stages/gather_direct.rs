@@ -27,14 +27,16 @@ pub fn direct_irradiance(direct: &[Vec4], i: usize) -> Vec3 {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    let each = p.frame.lights_per_point as usize;
-    for i in group.range(p.batch.count) {
-        let mut sum = Vec3::ZERO;
-        for k in i * each..(i + 1) * each {
-            if p.visible[k] != 0 {
-                sum += p.samples[k].irradiance;
-            }
+    let each = p.frame.lights_per_point.max(1) as usize;
+    let range = group.range(p.batch.count);
+    let of_all = range.start * each..range.end * each;
+    let (samples, visible) = (&p.samples[of_all.clone()], &p.visible[of_all]);
+    let points = samples.chunks_exact(each).zip(visible.chunks_exact(each));
+    for (i, (samples, visible)) in range.zip(points) {
+        let mut sum = Vec4::ZERO;
+        for (sample, _) in samples.iter().zip(visible).filter(|(_, v)| **v != 0) {
+            sum += sample.irradiance.extend(0.0);
         }
-        p.direct.set(i, sum.extend(0.0));
+        p.direct.set(i, sum);
     }
 }

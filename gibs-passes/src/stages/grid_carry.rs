@@ -1,23 +1,20 @@
-//! `apply/inject_carry`: the lists of the cells, with room for new surfels.
+//! `apply/inject_carry`: lists that new surfels join, to where there is room for those.
 use crate::shared::lists;
 use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Copies each cell's list, but for the surfels that are `gone` since, to where there is room behind for those that were
-    /// born: `counts` is how many stay, and those. A list that does not fit is empty, and its entries are counted; so is one
-    /// that did not fit before, until all lists are built again.
+    /// Copies each list that new surfels join to the second half of `entries`, where there is room behind it for those:
+    /// `counts` is how many it has then, 0 of all others, which stay where they are. A list that does not fit is empty, and its
+    /// entries are counted; so is one that did not fit before, until all lists are built again.
     pub stage GridCarry {
         wgsl: gibs_shaders::stages::GRID_CARRY,
         workgroup: [64, 1, 1],
         ports: {
-            read gone: u32,
-            read old_cells: UVec2,
-            read old_entries: u32,
             read starts: u32,
             read counts: u32,
-            write entries: u32,
-            write cells: UVec2,
+            read_write entries: u32,
+            read_write cells: UVec2,
             atomic overflow: u32,
         },
         cpu: kernel,
@@ -26,19 +23,26 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for cell in group.range(p.cells.len() as u32) {
-        let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
-        let old = p.old_cells[cell];
+    let range = group.range(p.counts.len() as u32);
+    if p.counts[range.clone()].iter().all(|&count| count == 0) {
+        return;
+    }
+    for cell in range {
+        let count = p.counts[cell] as usize;
+        if count == 0 {
+            continue;
+        }
+        let old = p.cells.get(cell);
+        let start = p.entries.len() / 2 + 2 * p.starts[cell] as usize;
         if old == lists::DROPPED || start + 2 * count > p.entries.len() {
             p.overflow.add(0, count as u32);
             p.cells.set(cell, lists::DROPPED);
             continue;
         }
         let (first, listed) = (old.x as usize, old.y as usize);
-        let stays = |i: &usize| p.gone[p.old_entries[first + i] as usize] == 0;
-        for (i, old) in (0..listed).filter(stays).enumerate() {
-            p.entries.set(start + i, p.old_entries[first + old]);
-            let bounds = p.old_entries[first + listed + old];
+        for i in 0..listed {
+            p.entries.set(start + i, p.entries.get(first + i));
+            let bounds = p.entries.get(first + listed + i);
             p.entries.set(start + count + i, bounds);
         }
         p.cells.set(cell, UVec2::new(start as u32, count as u32));

@@ -24,7 +24,11 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    for cell in group.range(p.cells.len() as u32) {
+    let range = group.range(p.cells.len() as u32);
+    if p.born[range.clone()].iter().all(|&born| born == 0) {
+        return;
+    }
+    for cell in range {
         let born = p.born[cell] as usize;
         if born == 0 {
             continue;

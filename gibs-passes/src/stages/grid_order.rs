@@ -6,8 +6,8 @@ use glam::UVec2;
 
 stage! {
     /// Orders each cell's list by a hash of surfel identity, so that the first N are an unbiased subset and the same
-    /// on every run (X9), and writes their bounds behind them. A list that does not fit is emptied, whatever arrived first,
-    /// and its entries are counted.
+    /// on every run (X9), and writes their bounds behind them. A list that does not fit into the first half of `entries` is
+    /// emptied, whatever arrived first, and its entries are counted.
     pub stage GridOrder {
         wgsl: gibs_shaders::stages::GRID_ORDER,
         workgroup: [64, 1, 1],
@@ -69,10 +69,20 @@ const MOST_SORTED: usize = 1024;
 
 /// Looks each surfel up once, and sorts numbers.
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
+    let range = group.range(p.cells.len() as u32);
+    let fits = |cell: usize| 2 * p.starts[cell] as usize <= p.entries.len() / 2;
+    let is_empty = p.counts[range.clone()].iter().all(|&count| count == 0);
+    if is_empty && range.clone().last().is_none_or(fits) {
+        for cell in range {
+            let start = 2 * p.starts[cell];
+            p.cells.set(cell, UVec2::new(start, 0));
+        }
+        return;
+    }
     let mut keys = [0u64; MOST_SORTED];
-    for cell in group.range(p.cells.len() as u32) {
+    for cell in range {
         let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
-        if count > MOST_SORTED || start + 2 * count > p.entries.len() {
+        if count > MOST_SORTED || start + 2 * count > p.entries.len() / 2 {
             order(p, cell);
             continue;
         }
@@ -105,7 +115,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
 
 fn order(p: &Views<'_>, cell: usize) {
     let (start, count) = (2 * p.starts[cell] as usize, p.counts[cell] as usize);
-    if start + 2 * count > p.entries.len() {
+    if start + 2 * count > p.entries.len() / 2 {
         p.overflow.add(0, count as u32);
         p.cells.set(cell, lists::DROPPED);
         return;

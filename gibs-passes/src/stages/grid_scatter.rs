@@ -25,8 +25,8 @@ const LISTS: Lists = Lists {
 
 stage! {
     /// Writes every live surfel into the list of each cell that it overlaps, which has as much room again behind its surfels
-    /// for their bounds. The order within a list is that of
-    /// arrival; `grid_order` makes it one that does not depend on it.
+    /// for their bounds, in the first half of `entries`. The order within a list is that of arrival; `grid_order` makes it one
+    /// that does not depend on it.
     pub stage GridScatter {
         wgsl: gibs_shaders::stages::GRID_SCATTER,
         workgroup: [64, 1, 1],
@@ -60,7 +60,7 @@ fn scatter<const WIDE: bool>(p: &Views<'_>, group: Workgroup) {
         },
         |id, cell| {
             let slot = (2 * p.starts[cell] + p.cursors.add(cell, 1)) as usize;
-            if slot < p.entries.len() {
+            if slot < p.entries.len() / 2 {
                 p.entries.set(slot, id);
             }
         },

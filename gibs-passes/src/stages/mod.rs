@@ -22,9 +22,9 @@ pub mod geometric_normals;
 pub mod grid_carry;
 pub mod grid_count;
 pub mod grid_insert;
-pub mod grid_leave;
 pub mod grid_merge;
 pub mod grid_order;
+pub mod grid_room;
 pub mod grid_scatter;
 pub mod hit_gaps;
 pub mod import_gbuffer;
@@ -56,6 +56,7 @@ pub mod scan_sums;
 pub mod select_pixels;
 pub mod shade_hits;
 pub mod share_irradiance;
+pub mod slot_args;
 pub mod spawn;
 pub mod spawn_claim;
 pub mod spawn_commit;
@@ -93,9 +94,9 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<grid_carry::GridCarry>(),
         StageInfo::of::<grid_count::GridCount>(),
         StageInfo::of::<grid_insert::GridInsert>(),
-        StageInfo::of::<grid_leave::GridLeave>(),
         StageInfo::of::<grid_merge::GridMerge>(),
         StageInfo::of::<grid_order::GridOrder>(),
+        StageInfo::of::<grid_room::GridRoom>(),
         StageInfo::of::<grid_scatter::GridScatter>(),
         StageInfo::of::<hit_gaps::HitGaps>(),
         StageInfo::of::<import_gbuffer::ImportGbuffer>(),
@@ -127,6 +128,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<select_pixels::SelectPixels>(),
         StageInfo::of::<shade_hits::ShadeHits>(),
         StageInfo::of::<share_irradiance::ShareIrradiance>(),
+        StageInfo::of::<slot_args::SlotArgs>(),
         StageInfo::of::<spawn::Spawn>(),
         StageInfo::of::<spawn_claim::SpawnClaim>(),
         StageInfo::of::<spawn_commit::SpawnCommit>(),

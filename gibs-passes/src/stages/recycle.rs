@@ -9,8 +9,9 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Draws, for each live surfel, whether it goes (GIBS, "Recycling"): with a probability from how many slots are in
-    /// use, how long no pixel has seen it, how far away it is, and how crowded its place is. `gone` is 1 for those.
+    /// Draws, for each live surfel, whether it goes before the next frame (GIBS, "Recycling"): with a probability from how many
+    /// slots are in use, how long no pixel has seen it, how far away it is, and how crowded its place is. For those, `unseen`
+    /// is [`CHOSEN`](recycling::CHOSEN).
     pub stage Recycle {
         wgsl: gibs_shaders::stages::RECYCLE,
         workgroup: [64, 1, 1],
@@ -24,8 +25,7 @@ stage! {
             read poses: SurfelPose,
             optional_read depths: u32,
             read counters: SurfelCounters,
-            read unseen: u32,
-            write gone: u32,
+            read_write unseen: u32,
         },
         cpu: kernel,
         wide: Some(wide_kernel),
@@ -60,11 +60,13 @@ fn choose(
         settings: p.settings,
     };
     let used = p.counters[0].live as f32 / p.settings.capacity.max(1) as f32;
-    for i in group.range(p.gone.len() as u32) {
+    for i in group.range(p.poses.len() as u32) {
         let pose = &p.poses[i];
-        let mut gone = 0;
-        if pose.radius > 0.0 {
-            let others = match recycling::looks(mark::identity(pose.mark), p.frame.number) {
+        // Most have just been seen, and look around another time: nothing takes those.
+        let looks = recycling::looks(mark::identity(pose.mark), p.frame.number);
+        let unseen = p.unseen.get(i);
+        if pose.radius > 0.0 && (looks || unseen >= recycling::LEAST_PATIENCE) {
+            let others = match looks {
                 true => {
                     let place = Place {
                         position: pose.position,
@@ -84,7 +86,7 @@ fn choose(
             };
             let chance = recycling::chance(
                 used,
-                p.unseen[i],
+                unseen,
                 (pose.position - p.camera.eye).length() / p.grid.half,
                 others / p.settings.coverage,
             );
@@ -93,8 +95,9 @@ fn choose(
                 p.frame.number,
                 p.frame.seed,
             ));
-            gone = u32::from(random < chance);
+            if random < chance {
+                p.unseen.set(i, recycling::CHOSEN);
+            }
         }
-        p.gone.set(i, gone);
     }
 }

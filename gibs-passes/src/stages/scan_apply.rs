@@ -23,9 +23,10 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         return;
     }
     let first = block * BLOCK;
+    let values = &p.values[first..(first + BLOCK).min(p.values.len())];
     let mut sum = p.before[block];
-    for i in first..(first + BLOCK).min(p.values.len()) {
+    for (i, &value) in (first..).zip(values) {
         p.scanned.set(i, sum);
-        sum = sum.wrapping_add(p.values[i]);
+        sum = sum.wrapping_add(value);
     }
 }

@@ -5,15 +5,15 @@ use crate::data::{
 use crate::shared::depth::Depths;
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup;
-use crate::shared::{grid, sharing};
+use crate::shared::sharing;
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
-use glam::{UVec2, Vec2};
+use glam::UVec2;
 
 stage! {
-    /// Asks the neighbours of each uncertain surfel whose turn it is for their irradiance, by how near they are, with the
-    /// normal and depth factors of the lookup, of both (GIBS, "Irradiance Sharing"), and finds what it says then: its own
-    /// mean, and what they know better.
+    /// Asks the neighbours of each uncertain surfel that is to do so, see [`Integrate`](super::integrate::Integrate), for their
+    /// irradiance, by how near they are, with the normal and depth factors of the lookup, of both (GIBS, "Irradiance Sharing"),
+    /// and finds what it says then: its own mean, and what they know better.
     pub stage ShareIrradiance {
         wgsl: gibs_shaders::stages::SHARE_IRRADIANCE,
         workgroup: [64, 1, 1],
@@ -26,7 +26,6 @@ stage! {
             read poses: SurfelPose,
             read irradiance: SurfelIrradiance,
             optional_read depths: u32,
-            read forget: Vec2,
             read_write neighbours: Neighbours,
             write light: SurfelLight,
         },
@@ -70,38 +69,33 @@ fn share(
     let states = p.irradiance.slice();
     let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
     let range = group.range(p.poses.len() as u32);
-    let number = p.frame.number;
-    let is_due = |i: usize| {
-        let pose = &p.poses[i];
-        let share = || p.forget[grid::cell(pose.position, p.grid) as usize].x;
-        pose.radius > 0.0 && sharing::is_due(i as u32, &states[i], share, number)
-    };
-    let asks = |i: usize| sharing::asks(&states[i]);
+    let is_due = |i: usize| p.neighbours.get(i).packed == sharing::ASKS.packed;
     let due: [bool; LANES] = std::array::from_fn(|lane| {
         let i = range.start + lane;
         i < range.end && is_due(i)
     });
+    if due == [false; LANES] {
+        return;
+    }
+    let asks = |i: usize| sharing::asks(&states[i]);
     let lists: [_; LANES] = surfels.lists(|lane| {
         let i = range.start + lane;
         (due[lane] && asks(i)).then(|| p.poses[i].position)
     });
     for ((own, list), due) in range.clone().zip(lists).zip(due) {
-        if p.poses[own].radius <= 0.0 {
+        if !due {
             continue;
         }
         let mut asked = sharing::Asked::default();
-        if due && asks(own) {
+        if asks(own) {
             neighbours(own, list, &surfels, states, &mut |id, weight| {
                 asked.add(&states[id], weight, age(id), id == own);
             });
         }
-        if due {
-            p.neighbours.set(own, asked.said().pack());
-        }
-        let said = sharing::Said::unpack(&p.neighbours.get(own));
-        if said.trust > 0.0 {
-            let light = sharing::light(&states[own], age(own), &said);
-            p.light.set(own, light);
-        }
+        let told = asked.said().pack();
+        p.neighbours.set(own, told);
+        let said = sharing::Said::unpack(&told);
+        let light = sharing::light(&states[own], age(own), &said);
+        p.light.set(own, light);
     }
 }

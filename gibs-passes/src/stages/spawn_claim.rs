@@ -30,20 +30,25 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
+    let total = p.total[0].max(1);
+    let first = hash::hash2(p.frame.number, p.frame.seed) % total;
     for tile in group.range(p.candidates.len() as u32) {
         let candidate = p.candidates[tile];
-        let first = hash::hash2(p.frame.number, p.frame.seed) % p.total[0].max(1);
-        let rank = (p.ranks[tile] + first) % p.total[0].max(1);
-        let slot = p.counters[0].live as usize + rank as usize;
-        let is_birth = candidate != NONE && candidate != CROWDED;
-        if candidate == CROWDED {
-            p.crowded.add(0, 1);
-        }
-        let claim = if is_birth && slot < p.settings.capacity as usize {
-            UVec2::new(p.free_slots[slot], candidate)
-        } else {
-            UVec2::new(NONE, NONE)
+        let slot = match candidate {
+            NONE => None,
+            CROWDED => {
+                p.crowded.add(0, 1);
+                None
+            }
+            _ => {
+                let rank = (p.ranks[tile] + first) % total;
+                let slot = p.counters[0].live + rank;
+                (slot < p.settings.capacity).then_some(slot)
+            }
         };
+        let claim = slot.map_or(UVec2::new(NONE, NONE), |slot| {
+            UVec2::new(p.free_slots[slot as usize], candidate)
+        });
         p.claims.set(tile, claim);
     }
 }

@@ -22,6 +22,7 @@ fn kernel(p: &Views<'_>, _: Workgroup) {
     let wanted = p.total[0];
     let born = wanted.min(p.settings.capacity - counters.live);
     counters.live += born;
+    counters.used = counters.used.max(counters.live);
     counters.born = counters.born.wrapping_add(born);
     counters.starved = counters.starved.wrapping_add(wanted - born);
     p.counters.set(0, counters);

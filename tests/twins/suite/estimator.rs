@@ -191,7 +191,7 @@ twin! {
 twin! {
     is_due ["sharing::sharing_is_due"], (surfel: u32, state: SurfelIrradiance, forget: f32, frame: u32) -> u32,
     wgsl "u32(sharing_is_due(surfel, state, forget, frame))",
-    rust u32::from(sharing::is_due(surfel, &state, || forget, frame)),
+    rust u32::from(sharing::is_due(surfel, &state, forget, frame)),
     draw |d| { let f = d.word(); (d.word(), super::state(d, f), d.one_of(&[0.0, 0.0, 0.0, 0.5]), f) },
     bound EXACT,
 }

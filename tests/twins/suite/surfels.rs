@@ -247,6 +247,16 @@ twin! {
     bound EXACT,
 }
 twin! {
+    one_more ["recycling::recycling_one_more"], (unseen: u32) -> u32,
+    wgsl "recycling_one_more(unseen)",
+    rust recycling::one_more(unseen),
+    draw |d| {
+        let unseen = d.word();
+        (d.one_of(&[unseen, 0, recycling::CHOSEN - 2, recycling::CHOSEN - 1]),)
+    },
+    bound EXACT,
+}
+twin! {
     looks ["recycling::recycling_looks"], (identity: u32, frame: u32) -> u32,
     wgsl "u32(recycling_looks(identity, frame))",
     rust u32::from(recycling::looks(identity, frame)),
@@ -263,7 +273,7 @@ twin! {
         let share = d.unit();
         (
             d.one_of(&[used, share, 1.0]),
-            d.one_of(&[unseen, 1000, u32::MAX - 1, u32::MAX]),
+            d.one_of(&[unseen, 1000, recycling::CHOSEN - 1]),
             d.number(-10, 30).abs(),
             d.number(-6, 6).abs(),
         )
@@ -343,6 +353,7 @@ twins!(
     lengths_pack,
     lengths_up,
     lengths_down,
+    one_more,
     looks,
     chance,
     goes_to_emitter,

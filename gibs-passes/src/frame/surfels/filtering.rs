@@ -3,7 +3,7 @@ use super::{Grid, Surfels};
 use crate::data::*;
 use crate::frame::{SceneInputs, Settings};
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph, Initial};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph, Initial};
 use glam::{UVec2, Vec2, Vec4};
 
 /// What the rays brought into the surfels' irradiance. `spans` and `radiance` are of the rays.
@@ -14,15 +14,14 @@ pub(super) fn filter(
     grid: &Grid,
     device_settings: &Buffer<SurfelSettings>,
     surfels: Surfels,
+    in_use: &Buffer<DispatchArgs>,
     settings: &Settings,
     spans: &Buffer<UVec2>,
     radiance: &Buffer<Vec4>,
 ) -> Surfels {
     let capacity = surfels.poses.len();
     let forget = forget(g, grid, &surfels.poses, &surfels.irradiance);
-    let clamped = settings
-        .clamp
-        .then(|| g.transient("clamped_light", capacity));
+    let clamped = settings.clamp.then(|| g.zeroed("clamped_light", capacity));
     let integrated = g.add::<integrate::Integrate>(
         "filtering/temporal",
         integrate::Inputs {
@@ -35,9 +34,10 @@ pub(super) fn filter(
             forget: &forget,
             irradiance: surfels.irradiance,
             light: surfels.light,
+            neighbours: surfels.neighbours,
             clamped,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
     if let Some(clamped) = &integrated.clamped {
         let (state, total) = g.state("surfel_clamped", 1, Initial::Zero);
@@ -48,7 +48,7 @@ pub(super) fn filter(
         g.keep(state, summed.total);
     }
     let (mut light, mut neighbours) = (integrated.light, None);
-    if let Some(said) = surfels.neighbours {
+    if let Some(said) = integrated.neighbours {
         let inputs = share_irradiance::Inputs {
             frame: &scene.frame,
             grid: &grid.shape,
@@ -58,11 +58,10 @@ pub(super) fn filter(
             poses: &surfels.poses,
             irradiance: &integrated.irradiance,
             depths: surfels.depths.as_ref(),
-            forget: &forget,
             neighbours: said,
             light,
         };
-        let all = Dispatch::Elements(capacity);
+        let all = Dispatch::Indirect(in_use);
         let shared = g.add::<share_irradiance::ShareIrradiance>("filtering/spatial", inputs, all);
         (light, neighbours) = (shared.light, Some(shared.neighbours));
     }

@@ -1,21 +1,22 @@
 //! Surfels where they are now, and the grid over them (S3, S5).
 use super::{Grid, SurfelFrame, Surfels};
 use crate::data::*;
-use crate::frame::{SceneInputs, Settings};
-use crate::shared::grid::GridLayout;
+use crate::frame::SceneInputs;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 use glam::UVec2;
 
+/// Gives also which surfels go.
 pub(super) fn update_positions(
     g: &mut Graph,
     scene: &SceneInputs,
     shape: &Buffer<GridShape>,
     settings: &Buffer<SurfelSettings>,
     surfels: Surfels,
-    capacity: u64,
-) -> Surfels {
+    in_use: &Buffer<DispatchArgs>,
+) -> (Surfels, Buffer<u32>) {
+    let gone = g.zeroed("gone", surfels.poses.len());
     let moved = g.add::<positional_update::PositionalUpdate>(
         "persistent/positional_update",
         positional_update::Inputs {
@@ -28,31 +29,18 @@ pub(super) fn update_positions(
             poses: surfels.poses,
             unseen: surfels.unseen,
             depths: surfels.depths,
+            gone,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
-    Surfels {
+    let surfels = Surfels {
         births: moved.births,
         poses: moved.poses,
         unseen: moved.unseen,
         depths: moved.depths,
         ..surfels
-    }
-}
-
-/// Cells, and room for their lists.
-fn empty_lists(
-    g: &mut Graph,
-    label: &str,
-    grid: GridLayout,
-    settings: &Settings,
-) -> (Buffer<UVec2>, Buffer<u32>) {
-    // A surfel and its bounds.
-    let words = 2 * settings.slots() * u64::from(settings.grid_lists);
-    (
-        g.transient(&format!("{label}_cells"), u64::from(grid.cells())),
-        g.transient(&format!("{label}_entries"), words),
-    )
+    };
+    (surfels, moved.gone)
 }
 
 /// The lists of every surfel's cells.
@@ -61,9 +49,13 @@ pub(super) fn build_grid(
     shape: Buffer<GridShape>,
     poses: &Buffer<SurfelPose>,
     frame: &SurfelFrame,
+    in_use: &Buffer<DispatchArgs>,
 ) -> Grid {
-    let surfels = || Dispatch::Elements(poses.len());
-    let (cells, entries) = empty_lists(g, "grid", frame.grid, &frame.settings);
+    let surfels = || Dispatch::Indirect(in_use);
+    let cells = g.transient("grid_cells", u64::from(frame.grid.cells()));
+    // A surfel and its bounds, in the half of the lists that are built and in that of those that new surfels join.
+    let words = 2 * 2 * frame.settings.slots() * u64::from(frame.settings.grid_lists);
+    let entries = g.transient("grid_entries", words);
     let per_cell = Dispatch::Elements(cells.len());
     let counts = g.zeroed("grid_counts", cells.len());
     let inputs = grid_count::Inputs {
@@ -106,47 +98,40 @@ pub(super) fn build_grid(
     }
 }
 
-/// The lists without the surfels that are `gone` and with those that were born since. What does not fit counts again.
+/// The lists with those that were born since, which are of the `claims`. What does not fit counts; of a list that did
+/// not fit before, those that are born.
 pub(super) fn inject(
     g: &mut Graph,
     grid: Grid,
-    frame: &SurfelFrame,
     poses: &Buffer<SurfelPose>,
-    gone: &Buffer<u32>,
     claims: &Buffer<UVec2>,
 ) -> Grid {
     let listed = grid.cells.len();
-    let counts = g.transient("injected_counts", listed);
-    let inputs = grid_leave::Inputs {
-        gone,
-        cells: &grid.cells,
-        entries: &grid.entries,
-        counts,
-    };
     let cells = || Dispatch::Elements(listed);
     let places = || Dispatch::Elements(claims.len());
-    let counts = g
-        .add::<grid_leave::GridLeave>("apply/inject_leave", inputs, cells())
-        .counts;
     let inputs = grid_count::Inputs {
         grid: &grid.shape,
         poses,
         claims: Some(claims),
-        counts,
+        counts: g.zeroed("born_counts", listed),
     };
-    let counts = g
+    let born = g
         .add::<grid_count::GridCount>("apply/inject_count", inputs, places())
         .counts;
+    let inputs = grid_room::Inputs {
+        born: &born,
+        cells: &grid.cells,
+        counts: g.transient("injected_counts", listed),
+    };
+    let counts = g
+        .add::<grid_room::GridRoom>("apply/inject_room", inputs, cells())
+        .counts;
     let (starts, _) = exclusive_scan(g, "apply/inject_scan", &counts);
-    let (new_cells, entries) = empty_lists(g, "injected", frame.grid, &frame.settings);
     let inputs = grid_carry::Inputs {
-        gone,
-        old_cells: &grid.cells,
-        old_entries: &grid.entries,
         starts: &starts,
         counts: &counts,
-        entries,
-        cells: new_cells,
+        entries: grid.entries,
+        cells: grid.cells,
         overflow: grid.overflow,
     };
     let carried = g.add::<grid_carry::GridCarry>("apply/inject_carry", inputs, cells());

@@ -16,7 +16,7 @@ use crate::data::*;
 use crate::shared::grid::GridLayout;
 use crate::shared::{depth, guide};
 use crate::stages::*;
-use gibs_graph::{Buffer, Graph, Image, Initial, Rgba16Float, State};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph, Image, Initial, Rgba16Float, State};
 use glam::{UVec2, Vec4};
 
 /// What a surfel frame is made for.
@@ -181,6 +181,19 @@ struct Slots {
     free: Buffer<u32>,
 }
 
+/// The size of a dispatch over the slots that surfels may be in.
+fn slots_in_use(
+    g: &mut Graph,
+    group: &str,
+    counters: &Buffer<SurfelCounters>,
+) -> Buffer<DispatchArgs> {
+    let batch = g.transient(&format!("{group}_slots"), 1);
+    let inputs = slot_args::Inputs { counters, batch };
+    let label = format!("{group}/slots_in_use");
+    g.add::<slot_args::SlotArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+        .batch
+}
+
 /// The lists of the grid's cells.
 struct Grid {
     shape: Buffer<GridShape>,
@@ -212,14 +225,15 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let seen = screen::see(g, &scene, frame);
 
     // Persistent
-    let surfels = grid::update_positions(g, &scene, &shape, &device_settings, surfels, capacity);
-    let grid = grid::build_grid(g, shape, &surfels.poses, frame);
+    let in_use = slots_in_use(g, "persistent", &counters.1);
+    let moved = grid::update_positions(g, &scene, &shape, &device_settings, surfels, &in_use);
+    let (surfels, gone) = moved;
     let slots = Slots {
         counters: counters.1,
         free: free_slots.1,
     };
-    let (surfels, slots, gone) =
-        recycle::recycle(g, &scene, &grid, &device_settings, surfels, slots, capacity);
+    let (surfels, slots) = recycle::free(g, surfels, slots, &gone, &in_use);
+    let grid = grid::build_grid(g, shape, &surfels.poses, frame, &in_use);
 
     let past = settings.debug.filter(|view| view.is_of_the_past());
     let past_values = past
@@ -241,13 +255,15 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         counts,
         &slots.free,
     );
-    let grid = grid::inject(g, grid, frame, &surfels.poses, &gone, &claims);
+    let grid = grid::inject(g, grid, &surfels.poses, &claims);
+    let in_use = slots_in_use(g, "spawn", &counts.counters);
     let (surfels, ray_spans, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
         &grid,
         &device_settings,
         surfels,
+        &in_use,
         settings,
         per_point,
     );
@@ -312,6 +328,16 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
             per_point,
         );
     }
+    let counters_now = &counts.counters;
+    let surfels = recycle::choose(
+        g,
+        &scene,
+        &grid,
+        &device_settings,
+        surfels,
+        counters_now,
+        &in_use,
+    );
     if settings.check_slots {
         let free = &slots.free;
         check::check_slots(g, &device_settings, &surfels, &counts.counters, free);

@@ -18,12 +18,13 @@ pub(super) fn integrate_rays(
     grid: &Grid,
     device_settings: &Buffer<SurfelSettings>,
     mut surfels: Surfels,
+    in_use: &Buffer<DispatchArgs>,
     settings: &Settings,
     per_point: u32,
 ) -> (Surfels, Buffer<UVec2>, Option<HitGaps>) {
     let capacity = surfels.poses.len();
     let budget = u64::from(settings.rays).max(1);
-    let requests = g.transient("ray_requests", 2 * capacity);
+    let requests = g.zeroed("ray_requests", 2 * capacity);
     let inputs = request_rays::Inputs {
         frame: &scene.frame,
         settings: device_settings,
@@ -38,7 +39,7 @@ pub(super) fn integrate_rays(
         .add::<request_rays::RequestRays>(
             "persistent/request_rays",
             inputs,
-            Dispatch::Elements(capacity),
+            Dispatch::Indirect(in_use),
         )
         .requests;
     let (scanned, total) = exclusive_scan(g, "persistent/ray_scan", &requests);
@@ -58,7 +59,7 @@ pub(super) fn integrate_rays(
             persistent,
             spawned,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
     g.output("rays", &allocated.batch);
     let emitters = scene.emitters().filter(|_| settings.emitters);
@@ -78,7 +79,7 @@ pub(super) fn integrate_rays(
             rays,
             paths,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
     let own_rays = generated.rays;
     let mut radiance = g.zeroed("ray_radiance", budget);
@@ -90,7 +91,8 @@ pub(super) fn integrate_rays(
     let (mut segment, own_paths, places) = match settings.sorting {
         true => {
             let (paths, spans) = (&generated.paths, &allocated.spans);
-            let sorted = sort_rays(g, &parts, grid, &surfels.poses, spans, &own_rays, paths);
+            let poses = &surfels.poses;
+            let sorted = sort_rays(g, &parts, in_use, grid, poses, spans, &own_rays, paths);
             let segment = Segment {
                 args: allocated.batch,
                 rays: Some(sorted.rays),
@@ -226,7 +228,7 @@ pub(super) fn integrate_rays(
             };
             let label = "persistent/update_guide";
             let updated =
-                g.add::<update_guide::UpdateGuide>(label, inputs, Dispatch::Elements(capacity));
+                g.add::<update_guide::UpdateGuide>(label, inputs, Dispatch::Indirect(in_use));
             Some(updated.guides)
         }
         (guides, _) => guides,
@@ -245,7 +247,7 @@ pub(super) fn integrate_rays(
             };
             let label = "persistent/update_depth";
             let updated =
-                g.add::<update_depth::UpdateDepth>(label, inputs, Dispatch::Elements(capacity));
+                g.add::<update_depth::UpdateDepth>(label, inputs, Dispatch::Indirect(in_use));
             Some(updated.depths)
         }
         (depths, _) => depths,
@@ -261,6 +263,7 @@ pub(super) fn integrate_rays(
         grid,
         device_settings,
         surfels,
+        in_use,
         settings,
         &allocated.spans,
         &radiance,

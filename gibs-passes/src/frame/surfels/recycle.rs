@@ -4,19 +4,18 @@ use crate::data::*;
 use crate::frame::SceneInputs;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 
-/// Gives also which surfels went.
-pub(super) fn recycle(
+/// Chooses which surfels go before the next frame.
+pub(super) fn choose(
     g: &mut Graph,
     scene: &SceneInputs,
     grid: &Grid,
     settings: &Buffer<SurfelSettings>,
     surfels: Surfels,
-    slots: Slots,
-    capacity: u64,
-) -> (Surfels, Slots, Buffer<u32>) {
-    let gone = g.transient("recycled", capacity);
+    counters: &Buffer<SurfelCounters>,
+    in_use: &Buffer<DispatchArgs>,
+) -> Surfels {
     let chosen = g.add::<recycle::Recycle>(
         "persistent/recycle",
         recycle::Inputs {
@@ -28,17 +27,30 @@ pub(super) fn recycle(
             entries: &grid.entries,
             poses: &surfels.poses,
             depths: surfels.depths.as_ref(),
-            counters: &slots.counters,
-            unseen: &surfels.unseen,
-            gone,
+            counters,
+            unseen: surfels.unseen,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
-    let (ranks, total) = exclusive_scan(g, "persistent/recycle_rank", &chosen.gone);
+    Surfels {
+        unseen: chosen.unseen,
+        ..surfels
+    }
+}
+
+/// Frees the slots of the surfels that are `gone`.
+pub(super) fn free(
+    g: &mut Graph,
+    surfels: Surfels,
+    slots: Slots,
+    gone: &Buffer<u32>,
+    in_use: &Buffer<DispatchArgs>,
+) -> (Surfels, Slots) {
+    let (ranks, total) = exclusive_scan(g, "persistent/recycle_rank", gone);
     let pushed = g.add::<recycle_push::RecyclePush>(
         "persistent/recycle_push",
         recycle_push::Inputs {
-            gone: &chosen.gone,
+            gone,
             ranks: &ranks,
             counters: &slots.counters,
             free_slots: slots.free,
@@ -46,7 +58,7 @@ pub(super) fn recycle(
             light: surfels.light,
             unseen: surfels.unseen,
         },
-        Dispatch::Elements(capacity),
+        Dispatch::Indirect(in_use),
     );
     let inputs = recycle_commit::Inputs {
         total: &total,
@@ -67,5 +79,5 @@ pub(super) fn recycle(
         counters: committed.counters,
         free: pushed.free_slots,
     };
-    (surfels, slots, chosen.gone)
+    (surfels, slots)
 }

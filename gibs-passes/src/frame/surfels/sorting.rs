@@ -5,7 +5,7 @@ use crate::frame::trace::Batch;
 use crate::shared::scan::exclusive_scan;
 use crate::shared::sorting::BINS;
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, Graph};
+use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 use glam::UVec2;
 
 /// Rays and paths in the order of their bins.
@@ -21,6 +21,7 @@ pub(super) struct Sorted {
 pub(super) fn sort_rays(
     g: &mut Graph,
     parts: &[(&str, Batch<'_>)],
+    in_use: &Buffer<DispatchArgs>,
     grid: &Grid,
     poses: &Buffer<SurfelPose>,
     spans: &Buffer<UVec2>,
@@ -55,7 +56,7 @@ pub(super) fn sort_rays(
                 bins,
                 counts,
             },
-            Dispatch::Elements(poses.len()),
+            Dispatch::Indirect(in_use),
         );
         let (starts, _) = exclusive_scan(g, &label("scan"), &binned.counts);
         let inputs = ray_scatter::Inputs {

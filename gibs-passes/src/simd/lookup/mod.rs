@@ -4,7 +4,7 @@
 mod batch;
 mod bounds;
 mod candidates;
-mod cells;
+pub mod cells;
 mod near;
 mod pairs;
 pub mod poses;

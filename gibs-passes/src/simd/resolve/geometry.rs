@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use super::super::directions::{normalized, pack, unpack};
 use super::super::lanes::{
     Lanes3, all_same, columns, columns_where, dot, either, has_any, inverted, is_word, larger,
-    magnitude, magnitudes, scaled, sum, turned,
+    magnitude, magnitudes, map_transposed, scaled, sum, turned,
 };
 use crate::data::{Corners, Hit, Instance, NONE, Ray, Triangle};
 use crate::shared::surface;
@@ -82,9 +82,15 @@ impl Geometry {
         let smooth = has_any(_mm256_castps_si256(smooth), u32::MAX);
         let mut shading = face;
         if _mm256_movemask_ps(smooth) != 0 {
+            let first = unpack(n0);
+            // Mostly all of a triangle's corners have the same normal.
+            let (second, third) = match _mm256_movemask_ps(are_equal(n0, n1, n2)) {
+                0xff => (first, first),
+                _ => (unpack(n1), unpack(n2)),
+            };
             let mixed = sum(
-                &sum(&scaled(&unpack(n0), w), &scaled(&unpack(n1), u)),
-                &scaled(&unpack(n2), v),
+                &sum(&scaled(&first, w), &scaled(&second, u)),
+                &scaled(&third, v),
             );
             let mapped = map_transposed(&to_object, &mixed);
             let some = _mm256_cmp_ps::<_CMP_GT_OQ>(dot(&mapped, &mapped), _mm256_setzero_ps());
@@ -108,6 +114,14 @@ impl Geometry {
     }
 }
 
+/// Lanes in which three words are the same.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn are_equal(a: __m256, b: __m256, c: __m256) -> __m256 {
+    let same = |a, b| _mm256_cmpeq_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b));
+    _mm256_castsi256_ps(_mm256_and_si256(same(a, b), same(a, c)))
+}
+
 /// [`crate::stages::trace_closest::uv_at`].
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
@@ -119,17 +133,6 @@ fn uv_at(corners: &[&Corners; 8], u: __m256, v: __m256, w: __m256) -> [__m256; 2
         _mm256_add_ps(ab, _mm256_mul_ps(c, v))
     };
     [mixed(ax, bx, cx), mixed(ay, by, cy)]
-}
-
-/// [`crate::stages::resolve_hits::map_transposed`].
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn map_transposed(rows: &[[__m256; 4]; 3], v: &Lanes3) -> Lanes3 {
-    let part = |i: usize| {
-        let [x, y, z, _] = rows[i];
-        scaled(&[x, y, z], v[i])
-    };
-    sum(&sum(&part(0), &part(1)), &part(2))
 }
 
 /// [`crate::stages::resolve_hits::leveled`].
