@@ -12,6 +12,7 @@ use glam::UVec2;
 
 /// Rays from every surfel, light at their hits, and what comes back into irradiance and depth functions. Also gives
 /// each surfel's first ray and how many it has.
+#[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
 pub(super) fn integrate_rays(
     g: &mut Graph,
     scene: &SceneInputs,

@@ -18,6 +18,7 @@ pub(super) struct Sorted {
 
 /// Sorts the rays of each part among themselves: the stages of a part are named after its group. `spans` tells which rays are
 /// whose.
+#[allow(clippy::too_many_arguments, reason = "the ports of the stages")]
 pub(super) fn sort_rays(
     g: &mut Graph,
     parts: &[(&str, Batch<'_>)],
