@@ -16,7 +16,7 @@ use crate::data::*;
 use crate::shared::grid::GridLayout;
 use crate::shared::{depth, guide};
 use crate::stages::*;
-use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph, Image, Initial, Rgba16Float, State};
+use gibs_graph::{Buffer, Graph, Image, Initial, Rgba16Float, State};
 use glam::{UVec2, Vec4};
 
 /// What a surfel frame is made for.
@@ -181,19 +181,6 @@ struct Slots {
     free: Buffer<u32>,
 }
 
-/// The size of a dispatch over the slots that surfels may be in.
-fn slots_in_use(
-    g: &mut Graph,
-    group: &str,
-    counters: &Buffer<SurfelCounters>,
-) -> Buffer<DispatchArgs> {
-    let batch = g.transient(&format!("{group}_slots"), 1);
-    let inputs = slot_args::Inputs { counters, batch };
-    let label = format!("{group}/slots_in_use");
-    g.add::<slot_args::SlotArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
-        .batch
-}
-
 /// The lists of the grid's cells.
 struct Grid {
     shape: Buffer<GridShape>,
@@ -225,9 +212,9 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
     let seen = screen::see(g, &scene, frame);
 
     // Persistent
-    let in_use = slots_in_use(g, "persistent", &counters.1);
-    let moved = grid::update_positions(g, &scene, &shape, &device_settings, surfels, &in_use);
-    let (surfels, gone) = moved;
+    let in_use = recycle::slots_in_use(g, "persistent", &counters.1);
+    let (surfels, gone) =
+        grid::update_positions(g, &scene, &shape, &device_settings, surfels, &in_use);
     let slots = Slots {
         counters: counters.1,
         free: free_slots.1,
@@ -256,7 +243,7 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
         &slots.free,
     );
     let grid = grid::inject(g, grid, &surfels.poses, &claims);
-    let in_use = slots_in_use(g, "spawn", &counts.counters);
+    let in_use = recycle::slots_in_use(g, "spawn", &counts.counters);
     let (surfels, ray_spans, hit_gaps) = rays::integrate_rays(
         g,
         &scene,
@@ -328,14 +315,13 @@ pub fn surfel_frame(g: &mut Graph, frame: &SurfelFrame, sizes: &SceneSizes) -> S
             per_point,
         );
     }
-    let counters_now = &counts.counters;
     let surfels = recycle::choose(
         g,
         &scene,
         &grid,
         &device_settings,
         surfels,
-        counters_now,
+        &counts.counters,
         &in_use,
     );
     if settings.check_slots {

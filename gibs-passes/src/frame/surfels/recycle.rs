@@ -1,10 +1,23 @@
-//! The end of surfels that are not needed (S9, S4).
+//! The end of surfels that are not needed (S9, S4), and the slots that are left.
 use super::{Grid, Slots, Surfels};
 use crate::data::*;
 use crate::frame::SceneInputs;
 use crate::shared::scan::exclusive_scan;
 use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
+
+/// The size of a dispatch over the slots that surfels may be in.
+pub(super) fn slots_in_use(
+    g: &mut Graph,
+    group: &str,
+    counters: &Buffer<SurfelCounters>,
+) -> Buffer<DispatchArgs> {
+    let batch = g.transient(&format!("{group}_slots"), 1);
+    let inputs = slot_args::Inputs { counters, batch };
+    let label = format!("{group}/slots_in_use");
+    g.add::<slot_args::SlotArgs>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+        .batch
+}
 
 /// Chooses which surfels go before the next frame.
 pub(super) fn choose(
