@@ -12,8 +12,8 @@ use gibs::check::{CheckOptions, Participant, Plan, Verdict, cases, check};
 use gibs::graph::bytemuck::{self, Pod, Zeroable};
 use gibs::graph::{
     Access, Action, Backend, BackendError, Capabilities, DeviceInfo, DispatchArgs, DispatchSize,
-    DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule, Workgroup,
-    check_image, check_range, check_step, unknown_step,
+    DispatchStep, Executable, Kind, MAX_GROUPS, RawView, Resource, ResourceId, Schedule,
+    Workgroups, check_image, check_range, check_step, unknown_step,
 };
 use gibs::passes::frame::Settings;
 use gibs::{Renderer, builtin};
@@ -146,9 +146,10 @@ impl Run {
         };
         let [x, y, z] = count.map(u64::from);
         // Sizes that a kernel made are input like any other: refused, not believed.
-        if count.iter().any(|&n| n > MAX_GROUPS) || x * y * z > u32::MAX.into() {
-            return Err(kernel_error(label, format!("{count:?} workgroups")));
-        }
+        let total = match u32::try_from(x * y * z) {
+            Ok(total) if count.iter().all(|&n| n <= MAX_GROUPS) => total,
+            _ => return Err(kernel_error(label, format!("{count:?} workgroups"))),
+        };
         let mut views = Vec::new();
         for binding in dispatch.slots() {
             let Some(binding) = binding else {
@@ -169,10 +170,7 @@ impl Run {
             });
         }
         let size = dispatch.kernel.workgroup;
-        for i in 0..x * y * z {
-            let id = [i % x, i / x % y, i / x / y].map(|n| n as u32);
-            (dispatch.kernel.cpu)(&views, Workgroup { id, count, size });
-        }
+        (dispatch.kernel.cpu)(&views, Workgroups::new(0..total, count, size));
         Ok(())
     }
 }

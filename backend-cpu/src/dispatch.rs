@@ -2,11 +2,12 @@
 use crate::executable::CpuExecutable;
 use crate::order::shuffled;
 use gibs_graph::{
-    Access, BackendError, DispatchArgs, DispatchSize, DispatchStep, MAX_GROUPS, RawView, Workgroup,
-    WriteMap, unknown_step,
+    Access, BackendError, DispatchArgs, DispatchSize, DispatchStep, MAX_GROUPS, RawView,
+    Workgroups, WriteMap, unknown_step,
 };
 use std::any::Any;
 use std::cell::Cell;
+use std::ops::Range;
 
 thread_local! {
     static IN_KERNEL: Cell<bool> = const { Cell::new(false) };
@@ -108,16 +109,11 @@ impl CpuExecutable {
             _ => dispatch.kernel.cpu,
         };
         let size = dispatch.kernel.workgroup;
+        // Maps of what is written tell workgroups apart by their calls.
         let shuffle = self.shared.options.checked;
-        let run = |i: u32| {
-            let i = if shuffle { shuffled(i, total) } else { i };
-            let id = [
-                i % count[0],
-                i / count[0] % count[1],
-                i / count[0] / count[1],
-            ];
+        let run = |range: Range<u32>| {
             let _marked = InKernel::enter();
-            kernel(&views, Workgroup { id, count, size });
+            kernel(&views, Workgroups::new(range, count, size));
         };
         let threads = self.shared.pool.current_num_threads();
         // Enough pieces to balance, few enough that a piece is worth a thread's while. All that costs time may lie in a few places, as
@@ -127,7 +123,13 @@ impl CpuExecutable {
         let all = || {
             shares.run(total.div_ceil(piece), |place| {
                 let first = place * piece;
-                (first..total.min(first.saturating_add(piece))).for_each(run);
+                let range = first..total.min(first.saturating_add(piece));
+                if shuffle {
+                    let places = range.map(|i| shuffled(i, total));
+                    places.for_each(|i| run(i..i + 1));
+                } else {
+                    run(range);
+                }
             });
         };
         // A kernel that leaves its buffers panics. What it had written by then stays, as on a device that is lost; nothing

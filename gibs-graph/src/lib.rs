@@ -52,7 +52,7 @@ pub use error::{GraphError, GraphErrors};
 pub use graph::{Dispatch, Graph, MAX_GROUPS, groups_for};
 pub use handle::{Acceleration, Buffer, Image, Previous, State};
 pub use image_view::{ImageStore, ImageView};
-pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup};
+pub use kernel::{CpuKernel, KernelSource, WgslSource, Workgroup, Workgroups};
 pub use kind::{Initial, Kind};
 pub use null::NullBackend;
 pub use port::{Access, Port};

@@ -153,7 +153,7 @@ macro_rules! stage {
         }
 
         impl<'a> Views<'a> {
-            /// Views of bindings that come in the order of the ports, for the workgroup with linear index `group`.
+            /// Views of bindings that come in the order of the ports, for workgroups from the one with linear index `group` on.
             pub fn bind(raw: &[$crate::RawView<'a>], group: u32) -> Self {
                 let mut _next = raw.iter().copied();
                 let _ = group;
@@ -181,18 +181,24 @@ macro_rules! stage {
             }
 
             fn kernel() -> $crate::KernelSource {
-                fn entry(raw: &[$crate::RawView<'_>], group: $crate::Workgroup) {
-                    $cpu(&Views::bind(raw, group.linear()), group);
+                fn entry(raw: &[$crate::RawView<'_>], groups: $crate::Workgroups) {
+                    let views = Views::bind(raw, groups.first());
+                    for group in groups {
+                        $cpu(&views, group);
+                    }
                 }
                 let wide: Option<fn(&Views<'_>, $crate::Workgroup)> = $wide;
                 $crate::KernelSource {
                     wgsl: $wgsl,
                     cpu: entry,
                     cpu_wide: wide.map(|_| {
-                        fn wide_entry(raw: &[$crate::RawView<'_>], group: $crate::Workgroup) {
+                        fn wide_entry(raw: &[$crate::RawView<'_>], groups: $crate::Workgroups) {
                             let wide: Option<fn(&Views<'_>, $crate::Workgroup)> = $wide;
                             if let Some(kernel) = wide {
-                                kernel(&Views::bind(raw, group.linear()), group);
+                                let views = Views::bind(raw, groups.first());
+                                for group in groups {
+                                    kernel(&views, group);
+                                }
                             }
                         }
                         wide_entry as $crate::CpuKernel

@@ -131,10 +131,10 @@ pub(super) fn order(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Access, Graph, KernelSource, WgslSource, Workgroup};
+    use crate::{Access, Graph, KernelSource, WgslSource, Workgroups};
 
     fn stages(labels: &[&str]) -> Vec<StageDecl> {
-        fn nothing(_: &[crate::RawView<'_>], _: Workgroup) {}
+        fn nothing(_: &[crate::RawView<'_>], _: Workgroups) {}
         let wgsl = WgslSource {
             name: "none",
             text: "",
