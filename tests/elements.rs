@@ -34,7 +34,7 @@ fn what_is_off_has_no_stages() {
             "continuation" => &["continue_paths", "path_rays", "rays_1"],
             "half-resolution" => &[
                 "select_pixels",
-                "pack_points",
+                "pack_pixels",
                 "contrasts",
                 "apply/upsample",
             ],

@@ -7,9 +7,8 @@ import package::upsample::{UPSAMPLE_CONTRAST, upsample_light, upsample_pixel_in}
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<storage, read> points: array<SurfacePoint>;
 @group(0) @binding(2) var<storage, read> selected: array<u32>;
-@group(0) @binding(3) var<storage, read> scanned: array<u32>;
-@group(0) @binding(4) var<storage, read> packed: array<Gathered>;
-@group(0) @binding(5) var<storage, read_write> contrasts: array<u32>;
+@group(0) @binding(3) var<storage, read> gathered: array<Gathered>;
+@group(0) @binding(4) var<storage, read_write> contrasts: array<u32>;
 
 /// Light differs much between the corners of the block that begins at a pixel.
 fn contrast(at: vec2<u32>) -> bool {
@@ -20,7 +19,7 @@ fn contrast(at: vec2<u32>) -> bool {
         let y = at.y + 2u * (corner >> 1u);
         let i = y * camera.width + x;
         if x < camera.width && y < camera.height && selected[i] != 0u {
-            let light = upsample_light(packed[scanned[i]]);
+            let light = upsample_light(gathered[i]);
             least = min(least, light);
             most = max(most, light);
         }

@@ -76,21 +76,23 @@ fn look(here: vec2<u32>, lane: u32, turn: u32, within: u32, part: u32) -> bool {
     let normal = octahedral_unpack(point.shading_normal);
     let coverage = lookup_coverage(point.position, normal);
     let share = min(coverage / (AMPLE * settings.coverage), 1.0);
-    // A cell is full whose list is as long as a lookup, or did not fit. What is covered amply bears none anyway.
-    if share < 1.0 {
-        let cell = cells[grid_cell(point.position, grid)];
-        let is_crowded = cell.y >= settings.lookup;
-        if is_crowded && share * AMPLE < HOLE {
-            atomicStore(&crowded[within], 1u);
-        }
-        if is_crowded || cell.x == LOOKUP_DROPPED {
-            return false;
-        }
+    // What is covered amply bears none.
+    if share >= 1.0 {
+        return true;
+    }
+    // A cell is full whose list is as long as a lookup, or did not fit.
+    let cell = cells[grid_cell(point.position, grid)];
+    let is_crowded = cell.y >= settings.lookup;
+    if is_crowded && share * AMPLE < HOLE {
+        atomicStore(&crowded[within], 1u);
+    }
+    if is_crowded || cell.x == LOOKUP_DROPPED {
+        return false;
     }
     let place = (turn << 8u) | lane;
     let tie = hash_hash3(part, hash_hash2(frame.number, frame.seed), place) & 0x3fu;
     atomicMin(&least[within], (u32(share * 65534.0) << 16u) | (tie << 10u) | place);
-    return share >= 1.0;
+    return false;
 }
 
 /// Where one of the candidates is, a pixel.

@@ -16,10 +16,21 @@ import package::types::{
 @group(0) @binding(6) var<storage, read> poses: array<SurfelPose>;
 @group(0) @binding(7) var<storage, read> light: array<SurfelLight>;
 @if(depths) @group(0) @binding(8) var<storage, read> depths: array<u32>;
-@group(0) @binding(9) var<storage, read_write> gathered: array<Gathered>;
+@if(pixels) @group(0) @binding(9) var<storage, read> pixels: array<u32>;
+@group(0) @binding(10) var<storage, read_write> gathered: array<Gathered>;
 
 /// No summed weight is enough.
 const ALL: f32 = 0x1.fffffep+127f;
+
+/// Which point an invocation looks at.
+@if(pixels)
+fn place(number: u32) -> u32 {
+    return pixels[number];
+}
+@else
+fn place(number: u32) -> u32 {
+    return number;
+}
 
 @compute @workgroup_size(64)
 fn main(
@@ -27,10 +38,11 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let i = invocation_index(group, groups, 64u, lane);
-    if i >= batch.count {
+    let number = invocation_index(group, groups, 64u, lane);
+    if number >= batch.count {
         return;
     }
+    let i = place(number);
     let point = points[i];
     var found = Gathered();
     if surface_is_surface(point) {

@@ -1,4 +1,4 @@
-// The points of the pixels between which light differs much, one after the other, block by block.
+// The indices of the pixels between which light differs much, one after the other, block by block.
 import package::between::between_is_open;
 import package::invocation::invocation_index;
 import package::types::{Camera, SurfacePoint};
@@ -9,7 +9,7 @@ import package::upsample::upsample_pixel_in;
 @group(0) @binding(2) var<storage, read> selected: array<u32>;
 @group(0) @binding(3) var<storage, read> contrasts: array<u32>;
 @group(0) @binding(4) var<storage, read> scanned: array<u32>;
-@group(0) @binding(5) var<storage, read_write> packed: array<SurfacePoint>;
+@group(0) @binding(5) var<storage, read_write> pixels: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -25,7 +25,7 @@ fn main(
     for (var number = 0u; number < 4u; number++) {
         let at = upsample_pixel_in(block, number, camera.width);
         if between_is_open(at) {
-            packed[slot] = points[at.y * camera.width + at.x];
+            pixels[slot] = at.y * camera.width + at.x;
             slot += 1u;
         }
     }

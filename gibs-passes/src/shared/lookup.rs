@@ -122,20 +122,24 @@ pub const AT_A_TIME: usize = 16;
 /// Points on surfaces that are looked up at a time; none where there is none.
 pub type Points<'a> = [Option<&'a SurfacePoint>; AT_A_TIME];
 
-/// Calls `each` with the points of a range, [`AT_A_TIME`], and with the first one's index and their number.
+/// Calls `each` with the places of the points that `place` has for a range, [`AT_A_TIME`], and with those points.
 #[inline(always)]
 pub fn at_points(
     points: &[SurfacePoint],
     range: std::ops::Range<usize>,
-    mut each: impl FnMut(usize, usize, &Points<'_>),
+    place: impl Fn(usize) -> usize,
+    mut each: impl FnMut(&[usize], &Points<'_>),
 ) {
     for start in range.clone().step_by(AT_A_TIME) {
-        let points = &points[start..range.end.min(start + AT_A_TIME)];
+        let mut places = [0; AT_A_TIME];
         let mut surfaces = [None; AT_A_TIME];
-        for (place, point) in surfaces.iter_mut().zip(points) {
-            *place = Some(point).filter(|point| surface::is_surface(point));
+        let count = (range.end - start).min(AT_A_TIME);
+        let both = places.iter_mut().zip(&mut surfaces);
+        for (i, (at, surface)) in (start..range.end).zip(both) {
+            *at = place(i);
+            *surface = Some(&points[*at]).filter(|point| surface::is_surface(point));
         }
-        each(start, points.len(), &surfaces);
+        each(&places[..count], &surfaces);
     }
 }
 

@@ -15,8 +15,7 @@ stage! {
             uniform camera: Camera,
             read points: SurfacePoint,
             read selected: u32,
-            read scanned: u32,
-            read packed: Gathered,
+            read gathered: Gathered,
             write contrasts: u32,
         },
         cpu: kernel,
@@ -46,7 +45,7 @@ fn contrast(p: &Views<'_>, at: UVec2, size: UVec2) -> bool {
         let corner = at + UVec2::from(corner);
         let i = (corner.y * size.x + corner.x) as usize;
         if corner.cmplt(size).all() && p.selected[i] != 0 {
-            let light = upsample::light(&p.packed[p.scanned[i] as usize]);
+            let light = upsample::light(&p.gathered[i]);
             least = least.min(light);
             most = most.max(light);
         }

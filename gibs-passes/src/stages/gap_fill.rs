@@ -142,6 +142,10 @@ fn fill(
                 thin(lane);
             }
             let Some(point) = point else { continue };
+            // What is covered amply bears none.
+            if share == 1.0 {
+                continue;
+            }
             let place = turn << 8 | lane;
             let tie = hash::hash3(first + within(lane), frame, place) & 0x3f;
             let candidate = (((share * 65_534.0) as u32) << 16) | (tie << 10) | place;
@@ -150,8 +154,7 @@ fn fill(
                 crowded[within(lane) as usize] = true;
             }
             let least = &mut least[within(lane) as usize];
-            // What is covered amply bears none anyway.
-            if candidate < *least && (share == 1.0 || !is_full(cell(), p.settings)) {
+            if candidate < *least && !is_full(cell(), p.settings) {
                 *least = candidate;
             }
         }

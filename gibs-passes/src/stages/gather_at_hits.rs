@@ -78,10 +78,15 @@ fn gather(
             false => Vec3::ZERO,
         })
     };
-    lookup::at_points(points, range, |first, count, points| {
-        let gathered = gathers(points, &|i| beyond(first + i), &surfels, light);
-        for (i, gathered) in (first..).zip(&gathered[..count]) {
-            p.gathered.set(i, *gathered);
-        }
-    });
+    lookup::at_points(
+        points,
+        range,
+        |i| i,
+        |places, points| {
+            let gathered = gathers(points, &|i| beyond(places[i]), &surfels, light);
+            for (&i, gathered) in places.iter().zip(&gathered) {
+                p.gathered.set(i, *gathered);
+            }
+        },
+    );
 }

@@ -9,7 +9,8 @@ use glam::{UVec2, Vec3};
 
 stage! {
     /// Finds each point's cell, takes its first N surfels and weights their irradiance by distance, normal and depth
-    /// function (GIBS, "Light Apply", "Radial Gaussian Depth").
+    /// function (GIBS, "Light Apply", "Radial Gaussian Depth"). Where `pixels` is bound, they are the points to look at, and
+    /// others keep what was gathered there.
     pub stage GatherSurfels {
         wgsl: gibs_shaders::stages::GATHER_SURFELS,
         workgroup: [64, 1, 1],
@@ -23,6 +24,7 @@ stage! {
             read poses: SurfelPose,
             read light: SurfelLight,
             optional_read depths: u32,
+            optional_read pixels: u32,
             write gathered: Gathered,
         },
         cpu: kernel,
@@ -61,9 +63,13 @@ fn gather(
     };
     let (points, light) = (p.points.slice(), p.light.slice());
     let range = group.range(p.batch.count);
-    lookup::at_points(points, range, |first, count, points| {
+    let place = |i| match p.pixels.is_empty() {
+        true => i,
+        false => p.pixels[i] as usize,
+    };
+    lookup::at_points(points, range, place, |places, points| {
         let gathered = gathers(points, &surfels, light);
-        for (i, gathered) in (first..).zip(&gathered[..count]) {
+        for (&i, gathered) in places.iter().zip(&gathered) {
             p.gathered.set(i, *gathered);
         }
     });

@@ -33,7 +33,7 @@ pub mod light_batch;
 pub mod mark_slots;
 pub mod measure_drift;
 pub mod pack_contrasts;
-pub mod pack_points;
+pub mod pack_pixels;
 pub mod positional_update;
 pub mod primary_rays;
 pub mod ray_bins;
@@ -105,7 +105,7 @@ pub fn all() -> Vec<StageInfo> {
         StageInfo::of::<mark_slots::MarkSlots>(),
         StageInfo::of::<measure_drift::MeasureDrift>(),
         StageInfo::of::<pack_contrasts::PackContrasts>(),
-        StageInfo::of::<pack_points::PackPoints>(),
+        StageInfo::of::<pack_pixels::PackPixels>(),
         StageInfo::of::<positional_update::PositionalUpdate>(),
         StageInfo::of::<primary_rays::PrimaryRays>(),
         StageInfo::of::<ray_bins::RayBins>(),

@@ -5,8 +5,8 @@ use gibs_graph::{Workgroup, stage};
 use glam::UVec2;
 
 stage! {
-    /// Writes the points that [`CountContrasts`](super::count_contrasts::CountContrasts) counted one after the other, block by
-    /// block.
+    /// Writes the indices of the pixels that [`CountContrasts`](super::count_contrasts::CountContrasts) counted one after the
+    /// other, block by block.
     pub stage PackContrasts {
         wgsl: gibs_shaders::stages::PACK_CONTRASTS,
         workgroup: [64, 1, 1],
@@ -16,7 +16,7 @@ stage! {
             read selected: u32,
             read contrasts: u32,
             read scanned: u32,
-            write packed: SurfacePoint,
+            write pixels: u32,
         },
         cpu: kernel,
         wide: None,
@@ -32,8 +32,7 @@ fn kernel(p: &Views<'_>, group: Workgroup) {
         let pixels = upsample::pixels_of(block as u32, size.x).into_iter();
         let open = pixels.filter(|&at| is_open(&p.points, &p.selected, at, size));
         for (slot, at) in (p.scanned[block] as usize..).zip(open) {
-            p.packed
-                .set(slot, p.points[(at.y * size.x + at.x) as usize]);
+            p.pixels.set(slot, at.y * size.x + at.x);
         }
     }
 }

@@ -360,6 +360,7 @@ fn answer(
         most: queries.into(),
         fixed: false,
     };
+    let gathered = g.transient("query_gathered", batch.most);
     let gathered = gather(
         g,
         "query/gather_surfels",
@@ -368,7 +369,8 @@ fn answer(
         surfels,
         &batch,
         &points,
-        "query_gathered",
+        None,
+        gathered,
     );
     g.output("query_gathered", &gathered);
     if let Some(direct) = direct_light(g, "query", "", scene, per_point, &batch, &points) {
@@ -387,9 +389,9 @@ fn gather(
     surfels: &Surfels,
     batch: &Batch<'_>,
     points: &Buffer<SurfacePoint>,
-    name: &str,
+    pixels: Option<&Buffer<u32>>,
+    gathered: Buffer<Gathered>,
 ) -> Buffer<Gathered> {
-    let gathered = g.transient(name, batch.most);
     g.add::<gather_surfels::GatherSurfels>(
         label,
         gather_surfels::Inputs {
@@ -402,6 +404,7 @@ fn gather(
             poses: &surfels.poses,
             light: &surfels.light,
             depths: surfels.depths.as_ref(),
+            pixels,
             gathered,
         },
         batch.dispatch(),

@@ -101,28 +101,20 @@ pub(super) fn apply(
     let pixel_batch = batch(scene, frame);
     let Seen { points, by } = seen;
     let light = |g: &mut Graph,
+                 suffix: &str,
                  batch: &Batch<'_>,
-                 points: &Buffer<SurfacePoint>,
-                 name: &str,
-                 suffix: &str| {
+                 pixels: Option<&Buffer<u32>>,
+                 gathered: Buffer<Gathered>| {
+        let label = format!("apply/lighting_apply{suffix}");
         gather(
-            g,
-            &format!("apply/lighting_apply{suffix}"),
-            grid,
-            settings,
-            surfels,
-            batch,
-            points,
-            name,
+            g, &label, grid, settings, surfels, batch, &points, pixels, gathered,
         )
     };
+    let gathered = g.transient("apply_gathered", pixels(frame));
     let gathered = if frame.settings.half_resolution {
-        upsample::at_half_resolution(g, scene, &points, frame.size, |g, batch, points, suffix| {
-            let name = format!("apply_packed_gathered{suffix}");
-            light(g, batch, points, &name, suffix)
-        })
+        upsample::at_half_resolution(g, scene, &points, frame.size, gathered, light)
     } else {
-        light(g, &pixel_batch, &points, "apply_gathered", "")
+        light(g, "", &pixel_batch, None, gathered)
     };
     let rays = match by {
         By::Rays(rays) => rays,

@@ -8,16 +8,23 @@ use crate::stages::*;
 use gibs_graph::{Buffer, Dispatch, DispatchArgs, Graph};
 
 /// Selects pixels, has `light` gather surfels at those, then between those that differ much, and interpolates between the others.
-/// `light` takes what each of its stages and buffers is of.
+/// `light` takes what the name of its stage ends with and the indices of the pixels.
 ///
-/// Selected pixels are packed, so that one stage gathers at all of them without idle invocations. Room is for every
-/// pixel, since edges may be anywhere.
+/// The indices of selected pixels stand one after the other, so that one stage gathers at all of them without idle
+/// invocations. Room is for every pixel, since edges may be anywhere.
 pub(super) fn at_half_resolution(
     g: &mut Graph,
     scene: &SceneInputs,
     points: &Buffer<SurfacePoint>,
     size: [u32; 2],
-    light: impl Fn(&mut Graph, &Batch<'_>, &Buffer<SurfacePoint>, &str) -> Buffer<Gathered>,
+    gathered: Buffer<Gathered>,
+    light: impl Fn(
+        &mut Graph,
+        &str,
+        &Batch<'_>,
+        Option<&Buffer<u32>>,
+        Buffer<Gathered>,
+    ) -> Buffer<Gathered>,
 ) -> Buffer<Gathered> {
     let pixels = points.len();
     let selected = g.transient("apply_selected", pixels);
@@ -34,24 +41,21 @@ pub(super) fn at_half_resolution(
         .selected;
     let (scanned, total) = exclusive_scan(g, "apply/select_scan", &selected);
     let args = batch(g, "apply/batch", "apply_batch", &total);
-    let packed = g.transient("apply_packed_points", pixels);
-    let inputs = pack_points::Inputs {
-        points,
+    let inputs = pack_pixels::Inputs {
         selected: &selected,
         scanned: &scanned,
-        packed,
+        pixels: g.transient("apply_selected_pixels", pixels),
     };
     let packed = g
-        .add::<pack_points::PackPoints>("apply/pack_points", inputs, Dispatch::Elements(pixels))
-        .packed;
-    let packed_gathered = light(g, &most(&args, pixels), &packed, "");
+        .add::<pack_pixels::PackPixels>("apply/pack_pixels", inputs, Dispatch::Elements(pixels))
+        .pixels;
+    let gathered = light(g, "", &most(&args, pixels), Some(&packed), gathered);
     let contrasts = g.transient("apply_contrasts", blocks(size));
     let inputs = count_contrasts::Inputs {
         camera: &scene.camera,
         points,
         selected: &selected,
-        scanned: &scanned,
-        packed: &packed_gathered,
+        gathered: &gathered,
         contrasts,
     };
     let every_block = || Dispatch::Elements(blocks(size));
@@ -62,30 +66,23 @@ pub(super) fn at_half_resolution(
     let args = batch(g, "apply/contrasts_batch", "apply_contrasts_batch", &total);
     // The first pixel of a block is one of those that were selected.
     let room = 3 * blocks(size);
-    let packed = g.transient("apply_contrasts_points", room);
     let inputs = pack_contrasts::Inputs {
         camera: &scene.camera,
         points,
         selected: &selected,
         contrasts: &contrasts,
         scanned: &contrasts_scanned,
-        packed,
+        pixels: g.transient("apply_contrasts_pixels", room),
     };
     let packed = g
         .add::<pack_contrasts::PackContrasts>("apply/pack_contrasts", inputs, every_block())
-        .packed;
-    let contrasts_packed = light(g, &most(&args, room), &packed, "_contrasts");
-    let gathered = g.transient("apply_gathered", pixels);
+        .pixels;
     let inputs = upsample::Inputs {
         camera: &scene.camera,
         points,
         selected: &selected,
-        scanned: &scanned,
-        packed: &packed_gathered,
         contrasts: &contrasts,
-        contrasts_scanned: &contrasts_scanned,
-        contrasts_packed: &contrasts_packed,
-        gathered,
+        gathered: light(g, "_contrasts", &most(&args, room), Some(&packed), gathered),
     };
     g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels))
         .gathered
