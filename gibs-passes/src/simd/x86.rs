@@ -27,6 +27,24 @@ impl Avx2 {
     }
 }
 
+/// Proof that the processor has AVX-512 with bytes, dot products of bytes, and vectors of any length, besides what [`Avx2`] stands
+/// for: only [`Avx512::detect`] makes one.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx512(());
+
+impl Avx512 {
+    /// The proof, if the processor has what it takes.
+    #[inline]
+    pub fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512vnni")
+            && Avx2::detect().is_some();
+        all.then_some(Avx512(()))
+    }
+}
+
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn compiled<R>(f: impl FnOnce() -> R) -> R {
     f()

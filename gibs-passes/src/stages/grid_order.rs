@@ -65,7 +65,7 @@ pub fn bounds_of(pose: &SurfelPose, grid: &GridShape, steps: f32) -> u32 {
 }
 
 /// Longest list that the wide kernel sorts in a buffer of its own.
-const MOST_SORTED: usize = 1024;
+const MOST_SORTED: usize = 256;
 
 /// Looks each surfel up once, and sorts numbers.
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {

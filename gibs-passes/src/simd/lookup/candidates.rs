@@ -77,6 +77,23 @@ impl Candidates {
         self.count += (mask & 0xff).count_ones() as usize;
     }
 
+    /// Appends those of sixteen surfels that a mask names, each with the point that all lanes of `point` have.
+    #[inline]
+    #[target_feature(
+        enable = "avx512f,avx512bw,avx512vl,avx512vnni,avx2,fma,bmi1,bmi2,lzcnt,popcnt"
+    )]
+    pub fn append_sixteen(&mut self, mask: u16, surfels: __m512i, point: __m512i) {
+        let room = self.count..self.count + 16;
+        let to = (&mut self.surfels[room.clone()], &mut self.points[room]);
+        // SAFETY: the stores write the sixteen words of each slice and need no alignment.
+        unsafe {
+            let surfels = _mm512_maskz_compress_epi32(mask, surfels);
+            _mm512_storeu_si512(to.0.as_mut_ptr().cast(), surfels);
+            _mm512_storeu_si512(to.1.as_mut_ptr().cast(), point);
+        }
+        self.count += mask.count_ones() as usize;
+    }
+
     /// Calls `each` with the surfels and points of all pairs, eight at a time, and with how many of them there are, the others being of
     /// surfel and point 0; there are none afterwards.
     #[inline(always)]

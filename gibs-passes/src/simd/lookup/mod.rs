@@ -9,6 +9,7 @@ mod near;
 mod pairs;
 pub mod poses;
 mod spans;
+mod wider;
 
 use std::arch::x86_64::*;
 
@@ -18,7 +19,7 @@ use crate::data::{Gathered, SurfelLight, SurfelPose};
 use crate::shared::lists::{List, Surfels};
 use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
 use batch::Batch;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use near::{coverage, neighbours};
 #[cfg(test)]
 pub use pairs::FULL;
@@ -147,6 +148,41 @@ fn coverages(
     totals
 }
 
+/// What [`lookup::gather`] sums up at a point.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// Irradiance and trust, by dense weights.
+    light: Vec4,
+    weight: f32,
+    /// The dense weights.
+    total: f32,
+    /// Radius of the first surfel.
+    first: f32,
+}
+
+impl Sums {
+    /// Adds a surfel that counts, and zeros for another: which ones do cannot be foreseen, and no branch depends on it.
+    #[inline(always)]
+    fn add(&mut self, light: &SurfelLight, radius: f32, weight: f32, enough: f32) {
+        let counts =
+            (light.trust != 0.0) & (weight >= lookup::LEAST_WEIGHT) & (self.weight < enough);
+        let mask = u32::from(counts).wrapping_neg();
+        let masked = |x: f32| f32::from_bits(x.to_bits() & mask);
+        // Until one counts, each is the first.
+        self.first = if self.total == 0.0 {
+            radius
+        } else {
+            self.first
+        };
+        let shrinks = self.first / radius;
+        let dense = masked(weight * (shrinks * shrinks));
+        let [r, g, b] = light.irradiance.to_array();
+        self.light += Vec4::new(masked(r), masked(g), masked(b), masked(light.trust)) * dense;
+        self.weight += masked(weight);
+        self.total += dense;
+    }
+}
+
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn gathers(
     points: &Points<'_>,
@@ -157,26 +193,17 @@ fn gathers(
 ) -> [Gathered; AT_A_TIME] {
     let mut batch = Batch::new();
     batch.find(points, s);
-    let mut gathered = [Gathered::default(); AT_A_TIME];
-    let mut totals = [0.0; AT_A_TIME];
-    let mut firsts = [0.0; AT_A_TIME];
+    let mut sums = [Sums::default(); AT_A_TIME];
     let each = |at: usize, id: usize, weight: f32| {
-        let at = at & (AT_A_TIME - 1);
-        let (light, g, total) = (&light[id], &mut gathered[at], &mut totals[at]);
-        if light.trust != 0.0 && weight >= lookup::LEAST_WEIGHT && g.weight < enough {
-            let radius = s.poses[id].radius;
-            if *total == 0.0 {
-                firsts[at] = radius;
-            }
-            let shrinks = firsts[at] / radius;
-            let dense = weight * (shrinks * shrinks);
-            g.irradiance += light.irradiance * dense;
-            g.weight += weight;
-            *total += dense;
-            g.confidence += dense * light.trust;
-        }
+        sums[at & (AT_A_TIME - 1)].add(&light[id], s.poses[id].radius, weight, enough);
     };
     for_pairs(&batch, s, |id| prefetch(light, id), each);
+    let mut gathered = sums.map(|sums| Gathered {
+        irradiance: sums.light.truncate(),
+        weight: sums.weight,
+        confidence: sums.light.w,
+        ..Gathered::default()
+    });
     let open: [Option<Vec3>; AT_A_TIME] = std::array::from_fn(|i| {
         let is_open = points[i].is_some() && gathered[i].weight < 1.0;
         let open = is_open.then(|| beyond(i)).flatten();
@@ -192,8 +219,8 @@ fn gathers(
     for (i, g) in gathered.iter_mut().enumerate() {
         if g.weight > 0.0 {
             g.weight = g.weight.min(1.0);
-            g.irradiance *= g.weight / totals[i];
-            g.confidence /= totals[i];
+            g.irradiance *= g.weight / sums[i].total;
+            g.confidence /= sums[i].total;
         }
         if let Some(beyond) = open[i] {
             g.average = average(&batch.points[i], batch.lists[i].ids, beyond, s, light);

@@ -9,19 +9,20 @@ use std::mem::MaybeUninit;
 
 use super::super::lanes::{loaded, stored};
 use super::super::prefetch;
+use super::super::x86::Avx512;
 use super::batch::Batch;
 use super::bounds::may_reach;
 use super::candidates::{Candidates, set_lanes};
 use super::poses::Poses;
-use super::{above_zero, eight};
-use crate::shared::lists::Surfels;
+use super::{above_zero, eight, wider};
+use crate::shared::lists::{List, Surfels};
 use bytemuck::Pod;
 
 /// Pairs in a line before they go on.
 pub const FULL: usize = 256;
 
-/// Room in a line: the last ones to come may be eight, in eight words more.
-pub const ROOM: usize = FULL + 16;
+/// Room in a line: the last ones to come may be sixteen, in sixteen words more.
+pub const ROOM: usize = FULL + 32;
 
 /// Pairs of surfel and point, in the order of the points and, for each, of its list, and the weight of each. What has not
 /// been written is not read: clearing the whole line for every sixteen points would take longer than what is done with it.
@@ -188,23 +189,45 @@ pub fn for_pairs(
 ) {
     let mut near = Candidates::new();
     let mut weighty = Line::new();
-    for (at, list) in (0..).zip(&batch.lists) {
-        let here = _mm256_set1_epi32(at);
+    let mut from = Some((0, 0));
+    let avx512 = Avx512::detect();
+    while let Some(at) = from {
+        from = match avx512 {
+            // SAFETY: there is a proof that the processor has the features.
+            Some(Avx512 { .. }) => unsafe { wider::collect(&mut near, &batch.lists, at) },
+            None => collect(&mut near, &batch.lists, at),
+        };
+        weigh(&mut near, &mut weighty, batch, s, &soon);
+        finish(&mut weighty, batch, s, &mut each);
+    }
+}
+
+/// Appends the surfels that may reach their points, from an entry of one of the lists on, until the line is full; then gives the
+/// entry after the last one.
+#[inline]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub fn collect(
+    near: &mut Candidates,
+    lists: &[List<'_>],
+    (first, mut start): (usize, usize),
+) -> Option<(usize, usize)> {
+    for (at, list) in lists.iter().enumerate().skip(first) {
+        let here = _mm256_set1_epi32(at as i32);
         let place = _mm256_set1_epi32(list.place as i32);
-        for start in (0..list.ids.len()).step_by(8) {
+        while start < list.ids.len() {
             let (bounds, there) = eight(&list.bounds[start..]);
             // SAFETY: this function is compiled for AVX2.
             let mask = unsafe { may_reach(bounds, place) } & there;
             let (ids, _) = eight(&list.ids[start..]);
             near.append(mask, ids, here);
+            start += 8;
             if near.count() >= FULL {
-                weigh(&mut near, &mut weighty, batch, s, &soon);
-                finish(&mut weighty, batch, s, &mut each);
+                return Some((at, start));
             }
         }
+        start = 0;
     }
-    weigh(&mut near, &mut weighty, batch, s, &soon);
-    finish(&mut weighty, batch, s, &mut each);
+    None
 }
 
 /// Weights before the depth functions: those of the candidates that have any go into a line, which is empty.
