@@ -146,10 +146,9 @@ impl Run {
         };
         let [x, y, z] = count.map(u64::from);
         // Sizes that a kernel made are input like any other: refused, not believed.
-        let total = match u32::try_from(x * y * z) {
-            Ok(total) if count.iter().all(|&n| n <= MAX_GROUPS) => total,
-            _ => return Err(kernel_error(label, format!("{count:?} workgroups"))),
-        };
+        if count.iter().any(|&n| n > MAX_GROUPS) || x * y * z > u32::MAX.into() {
+            return Err(kernel_error(label, format!("{count:?} workgroups")));
+        }
         let mut views = Vec::new();
         for binding in dispatch.slots() {
             let Some(binding) = binding else {
@@ -170,7 +169,8 @@ impl Run {
             });
         }
         let size = dispatch.kernel.workgroup;
-        (dispatch.kernel.cpu)(&views, Workgroups::new(0..total, count, size));
+        let all = (x * y * z) as u32;
+        (dispatch.kernel.cpu)(&views, Workgroups::new(0..all, count, size));
         Ok(())
     }
 }

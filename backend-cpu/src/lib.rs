@@ -121,7 +121,8 @@ fn processor_name() -> String {
         .unwrap_or_else(|| format!("{} processor", std::env::consts::ARCH))
 }
 
-/// Which kernels run. Stages decide by themselves, with the features that go together since 2013.
+/// Which kernels run. Stages decide by themselves, with the features that go together since 2013, and those of AVX-512 that do
+/// since 2019.
 fn simd(options: Options) -> &'static str {
     if options.scalar {
         return "scalar kernels";
@@ -134,7 +135,14 @@ fn simd(options: Options) -> &'static str {
         && std::arch::is_x86_feature_detected!("lzcnt")
         && std::arch::is_x86_feature_detected!("popcnt")
     {
-        return "8-wide kernels (AVX2)";
+        let sixteen = std::arch::is_x86_feature_detected!("avx512f")
+            && std::arch::is_x86_feature_detected!("avx512bw")
+            && std::arch::is_x86_feature_detected!("avx512vl")
+            && std::arch::is_x86_feature_detected!("avx512vnni");
+        return match sixteen {
+            true => "8-wide kernels (AVX2), 16-wide lists (AVX-512)",
+            false => "8-wide kernels (AVX2)",
+        };
     }
     "portable kernels"
 }

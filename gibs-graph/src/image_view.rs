@@ -47,7 +47,7 @@ impl<'a, T: Sampled> ImageView<'a, T> {
 }
 
 impl<'a, T: Stored> ImageStore<'a, T> {
-    /// A view of the whole image for the workgroup with linear index `group`.
+    /// A view of the whole image, as [`WriteView::of`].
     pub fn of(raw: RawView<'a>, group: u32) -> Self {
         Self {
             size: raw.size(),

@@ -74,8 +74,8 @@ pub struct Workgroups {
 }
 
 impl Workgroups {
-    /// Those with linear indices in `range`, of a dispatch of `count` workgroups, none of whose sizes is zero, of `size`
-    /// invocations each.
+    /// Those with linear indices in `range`, of a dispatch of `count` workgroups of `size` invocations each. Where a count is zero,
+    /// the range is empty.
     pub fn new(range: Range<u32>, count: [u32; 3], size: [u32; 3]) -> Self {
         let [x, y, _] = count.map(|n| n.max(1));
         let first = range.start;

@@ -145,7 +145,8 @@ pub struct WriteView<'a, T> {
 }
 
 impl<'a, T: Element> WriteView<'a, T> {
-    /// A view of the whole binding for the workgroup with linear index `group`.
+    /// A view of the whole binding for workgroups from the one with linear index `group` on; for that one alone where a map notes
+    /// who writes what.
     ///
     /// # Panics
     /// If the port does not write, or is atomic.

@@ -82,9 +82,9 @@ fn the_wide_lookup_is_the_scalar_one() {
         let pose = &poses[id as usize];
         bounds::pack(pose.position - grid.centre, pose.radius, steps)
     };
-    let wide = Lookup::new();
     let (mut covered, mut averaged, mut long) = (0, 0, 0);
-    for case in 0..3000u32 {
+    let both = |case| [(case, Lookup::new()), (case, Lookup::eight_wide())];
+    for (case, wide) in (0..3000u32).flat_map(both) {
         // Once in a while more than the wide lookups line up.
         let length = if case % 50 == 0 { 20_000 } else { case % 41 };
         let ids: Vec<u32> = (0..length).map(|k| hash3(case, k, 1) % 200).collect();

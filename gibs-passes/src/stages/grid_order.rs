@@ -64,7 +64,8 @@ pub fn bounds_of(pose: &SurfelPose, grid: &GridShape, steps: f32) -> u32 {
     bounds::pack(pose.position - grid.centre, pose.radius, steps)
 }
 
-/// Longest list that the wide kernel sorts in a buffer of its own.
+/// Longest list that the wide kernel sorts in a buffer of its own. A longer buffer takes more time to clear than most lists do
+/// to be sorted.
 const MOST_SORTED: usize = 256;
 
 /// Looks each surfel up once, and sorts numbers.

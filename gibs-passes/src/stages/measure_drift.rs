@@ -25,13 +25,8 @@ stage! {
 fn kernel(p: &Views<'_>, group: Workgroup) {
     // Most cells list no surfel.
     let of_none = estimator::to_forget(&Drift::default(), &p.total[0]);
-    let range = group.range(p.cells.len() as u32);
-    let cells = &p.cells[range.clone()];
-    if cells.iter().all(|cell| cell.y == 0) {
-        range.for_each(|i| p.forget.set(i, of_none));
-        return;
-    }
-    for (i, cell) in range.zip(cells) {
+    for i in group.range(p.cells.len() as u32) {
+        let cell = p.cells[i];
         if cell.y == 0 {
             p.forget.set(i, of_none);
             continue;

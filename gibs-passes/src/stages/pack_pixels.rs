@@ -12,26 +12,34 @@ stage! {
             write pixels: u32,
         },
         cpu: kernel,
-        wide: None,
+        wide: Some(wide_kernel),
+    }
+}
+
+fn kernel(p: &Views<'_>, group: Workgroup) {
+    for i in group.range(p.selected.len() as u32) {
+        if p.selected[i] != 0 {
+            p.pixels.set(p.scanned[i] as usize, i as u32);
+        }
     }
 }
 
 /// Pixels of a workgroup.
 const LANES: usize = 64;
 
-fn kernel(p: &Views<'_>, group: Workgroup) {
+/// One that is not selected is written over by the next one, so that no branch depends on which are.
+fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let range = group.range(p.selected.len() as u32);
-    let Some(&slot) = p.scanned.get(range.start) else {
+    let Some(&first) = p.scanned.get(range.start) else {
         return;
     };
-    // One that is not selected is written over by the next one, so that no branch depends on which are.
     let mut pixels = [0; LANES];
     let mut count = 0;
     for (i, &selected) in range.clone().zip(&p.selected[range]) {
         pixels[count % LANES] = i as u32;
-        count += selected as usize;
+        count += usize::from(selected != 0);
     }
-    for (slot, &pixel) in (slot as usize..).zip(&pixels[..count]) {
+    for (slot, &pixel) in (first as usize..).zip(&pixels[..count]) {
         p.pixels.set(slot, pixel);
     }
 }

@@ -8,7 +8,8 @@ use glam::UVec2;
 stage! {
     /// What the surfels say at each pixel where nothing was gathered: the mean of the two or four selected ones around it, all of
     /// which see its surface, which is bilinear interpolation; nothing where there is no surface. Selected pixels, and those of a
-    /// block with contrasts, keep what they have.
+    /// block with contrasts, keep what they have. Those around an open pixel see its surface and have even coordinates, so that they
+    /// are selected: what one invocation reads no other one writes.
     pub stage Upsample {
         wgsl: gibs_shaders::stages::UPSAMPLE,
         workgroup: [64, 1, 1],

@@ -46,10 +46,10 @@ pub(super) fn at_half_resolution(
         scanned: &scanned,
         pixels: g.transient("apply_selected_pixels", pixels),
     };
-    let packed = g
+    let chosen = g
         .add::<pack_pixels::PackPixels>("apply/pack_pixels", inputs, Dispatch::Elements(pixels))
         .pixels;
-    let gathered = light(g, "", &most(&args, pixels), Some(&packed), gathered);
+    let gathered = light(g, "", &most(&args, pixels), Some(&chosen), gathered);
     let contrasts = g.transient("apply_contrasts", blocks(size));
     let inputs = count_contrasts::Inputs {
         camera: &scene.camera,
@@ -74,7 +74,7 @@ pub(super) fn at_half_resolution(
         scanned: &contrasts_scanned,
         pixels: g.transient("apply_contrasts_pixels", room),
     };
-    let packed = g
+    let chosen = g
         .add::<pack_contrasts::PackContrasts>("apply/pack_contrasts", inputs, every_block())
         .pixels;
     let inputs = upsample::Inputs {
@@ -82,7 +82,7 @@ pub(super) fn at_half_resolution(
         points,
         selected: &selected,
         contrasts: &contrasts,
-        gathered: light(g, "_contrasts", &most(&args, room), Some(&packed), gathered),
+        gathered: light(g, "_contrasts", &most(&args, room), Some(&chosen), gathered),
     };
     g.add::<upsample::Upsample>("apply/upsample", inputs, Dispatch::Elements(pixels))
         .gathered

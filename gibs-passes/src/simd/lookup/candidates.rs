@@ -57,7 +57,7 @@ impl Candidates {
     /// The surfels.
     #[inline(always)]
     pub fn surfels(&self) -> impl Iterator<Item = usize> {
-        // SAFETY: `append` has written what is below the count.
+        // SAFETY: `append` and `append_sixteen` have written what is below the count.
         let written = |surfel: &MaybeUninit<u32>| unsafe { surfel.assume_init() } as usize;
         self.surfels[..self.count].iter().map(written)
     }
@@ -104,7 +104,8 @@ impl Candidates {
         self.points[end..end + 8].fill(MaybeUninit::new(0));
         let from = |line: &[MaybeUninit<u32>; ROOM], start: usize| {
             // SAFETY: eight elements from any start below the count on end within the eight behind the last pair, which were
-            // written here; those before were by `append`.
+            // written here; those before were by `append`
+            // and `append_sixteen`.
             unsafe { line.as_ptr().add(start).cast::<[u32; 8]>().read_unaligned() }
         };
         for start in (0..end).step_by(8) {

@@ -1,4 +1,4 @@
-//! The lookup of surfels around points, eight surfels at a time: [`crate::shared::lookup`], operation for operation. Also the cells
+//! The lookup of surfels around points, eight surfels at a time, bounds in lists sixteen where there is AVX-512: [`crate::shared::lookup`], operation for operation. Also the cells
 //! that list eight surfels.
 #![allow(unsafe_code)]
 mod batch;
@@ -14,6 +14,7 @@ mod wider;
 use std::arch::x86_64::*;
 
 use super::lanes::{all, for_lanes, stored};
+use super::x86::Avx512;
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
 use crate::shared::lists::{List, Surfels};
@@ -29,7 +30,7 @@ pub use spans::overlapped_by;
 
 /// The lookup with the best instructions of this processor. Make one per workgroup.
 #[derive(Clone, Copy, Debug)]
-pub struct Lookup(Option<Avx2>);
+pub struct Lookup(Option<Avx2>, Option<Avx512>);
 
 impl Default for Lookup {
     fn default() -> Self {
@@ -38,10 +39,16 @@ impl Default for Lookup {
 }
 
 impl Lookup {
-    /// With AVX2 where the processor has it.
+    /// With AVX2 and AVX-512 where the processor has them.
     #[inline]
     pub fn new() -> Self {
-        Lookup(Avx2::detect())
+        Lookup(Avx2::detect(), Avx512::detect())
+    }
+
+    /// With AVX2 at most.
+    #[cfg(test)]
+    pub fn eight_wide() -> Self {
+        Lookup(Avx2::detect(), None)
     }
 
     /// Same as [`lookup::coverage`].
@@ -82,7 +89,7 @@ impl Lookup {
     ) -> [f32; AT_A_TIME] {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { coverages(points, s, seen) },
+            Some(Avx2 { .. }) => unsafe { coverages(points, s, self.1, seen) },
             None => lookup::coverages(points, s, seen),
         }
     }
@@ -99,7 +106,7 @@ impl Lookup {
     ) -> [Gathered; AT_A_TIME] {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { gathers(points, enough, beyond, s, light) },
+            Some(Avx2 { .. }) => unsafe { gathers(points, enough, beyond, s, light, self.1) },
             None => lookup::gathers(points, enough, beyond, s, light),
         }
     }
@@ -133,6 +140,7 @@ fn above_zero(weight: __m256, count: usize) -> u32 {
 fn coverages(
     points: &Points<'_>,
     s: &Surfels<'_>,
+    avx512: Option<Avx512>,
     mut seen: impl FnMut(usize),
 ) -> [f32; AT_A_TIME] {
     let mut totals = [0.0; AT_A_TIME];
@@ -144,7 +152,7 @@ fn coverages(
     };
     let mut batch = Batch::new();
     batch.find(points, s);
-    for_pairs(&batch, s, |_| {}, each);
+    for_pairs(&batch, s, avx512, |_| {}, each);
     totals
 }
 
@@ -190,6 +198,7 @@ fn gathers(
     beyond: impl Fn(usize) -> Option<Vec3>,
     s: &Surfels<'_>,
     light: &[SurfelLight],
+    avx512: Option<Avx512>,
 ) -> [Gathered; AT_A_TIME] {
     let mut batch = Batch::new();
     batch.find(points, s);
@@ -197,7 +206,7 @@ fn gathers(
     let each = |at: usize, id: usize, weight: f32| {
         sums[at & (AT_A_TIME - 1)].add(&light[id], s.poses[id].radius, weight, enough);
     };
-    for_pairs(&batch, s, |id| prefetch(light, id), each);
+    for_pairs(&batch, s, avx512, |id| prefetch(light, id), each);
     let mut gathered = sums.map(|sums| Gathered {
         irradiance: sums.light.truncate(),
         weight: sums.weight,

@@ -184,13 +184,13 @@ impl Line {
 pub fn for_pairs(
     batch: &Batch<'_>,
     s: &Surfels<'_>,
+    avx512: Option<Avx512>,
     soon: impl Fn(usize),
     mut each: impl FnMut(usize, usize, f32),
 ) {
     let mut near = Candidates::new();
     let mut weighty = Line::new();
     let mut from = Some((0, 0));
-    let avx512 = Avx512::detect();
     while let Some(at) = from {
         from = match avx512 {
             // SAFETY: there is a proof that the processor has the features.

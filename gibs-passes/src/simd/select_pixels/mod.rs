@@ -1,6 +1,6 @@
 //! Pixels that the surfels light themselves, sixteen at a time: [`crate::stages::select_pixels::select_each`], operation for
-//! operation. Those with even and those with odd columns are eight each, which have the same neighbours to ask; the ones on the
-//! right are those on the left, a lane on.
+//! operation. Of the sixteen, the eight with even columns ask the same neighbours each, and so do the eight with odd ones, whose
+//! neighbours on the right are those on the left of the next lane.
 #![allow(unsafe_code)]
 #[cfg(test)]
 mod tests;
@@ -81,7 +81,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A bit for each of sixteen pixels from an even column on that is selected; those beyond the row have any.
+    /// A bit for each of sixteen pixels from an even column on that is selected; those beyond the row have arbitrary ones.
     #[inline]
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn select(&self, x: usize) -> u32 {
