@@ -78,7 +78,7 @@ pub(super) struct Sampled {
 }
 
 impl<'a> Tracer<'a> {
-    /// With a pilot run.
+    /// With a pilot run, after another one in which drivers may compile kernels.
     pub fn new(job: &'a Job<'a>, baseline: &'a Baseline) -> Result<Self, BenchError> {
         let mut tracer = Self {
             job,
@@ -86,6 +86,7 @@ impl<'a> Tracer<'a> {
             rays: 0.0,
             seconds: 0.0,
         };
+        tracer.sample(job.size, 1)?;
         let pilot = tracer.sample(job.size, PILOT)?;
         tracer.rays = (pilot.rays / f64::from(PILOT)).max(1.0);
         tracer.seconds = (pilot.seconds / f64::from(PILOT)).max(1e-9);

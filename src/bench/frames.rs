@@ -66,15 +66,9 @@ impl Run {
         self.seconds.iter().take(frames as usize).sum()
     }
 
-    /// Seconds of each of the first frames, but for the very first one, which also uploads the scene and touches memory
-    /// for the first time.
+    /// Seconds of each of the first frames.
     pub fn times(&self, frames: u32) -> impl Iterator<Item = f64> {
-        let skipped = usize::from(frames > 1);
-        self.seconds
-            .iter()
-            .copied()
-            .take(frames as usize)
-            .skip(skipped)
+        self.seconds.iter().copied().take(frames as usize)
     }
 
     /// Times over those of another run, frame by frame.
@@ -98,16 +92,7 @@ pub(super) fn run(
 ) -> Result<Vec<Run>, BenchError> {
     let mut renderers = configurations
         .iter()
-        .map(|c| {
-            Renderer::new(
-                job.backend,
-                job.scene,
-                job.view,
-                job.size,
-                &c.settings,
-                job.seed,
-            )
-        })
+        .map(|configuration| started(job, configuration))
         .collect::<Result<Vec<_>, RenderError>>()?;
     let count = renderers.len();
     let mut runs = vec![Run::default(); count];
@@ -138,6 +123,23 @@ pub(super) fn run(
         }
     }
     Ok(runs)
+}
+
+/// A renderer before its first frame that has rendered one already: drivers compile kernels when they first run, and memory is
+/// touched for the first time then. The first configuration would pay for all that have the same kernels.
+fn started(job: &Job<'_>, configuration: &Configuration) -> Result<Renderer, RenderError> {
+    let mut renderer = Renderer::new(
+        job.backend,
+        job.scene,
+        job.view,
+        job.size,
+        &configuration.settings,
+        job.seed,
+    )?;
+    renderer.frame()?;
+    renderer.wait()?;
+    renderer.reset()?;
+    Ok(renderer)
 }
 
 /// Rays of the last frame: of surfels, and of paths that went on beyond hits.
