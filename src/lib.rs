@@ -60,6 +60,7 @@ pub mod reference;
 pub mod renderer;
 mod student;
 pub mod view;
+mod words;
 
 pub use counters::{Clamped, Counters};
 pub use debug::DebugPicture;

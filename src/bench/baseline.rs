@@ -54,8 +54,8 @@ pub(super) const BASELINES: [Baseline; 2] = [
 /// Samples per pixel of the run that tells how long paths are and how long they take.
 const PILOT: u32 = 8;
 
-/// A time that is this much off is tried once more.
-const OFF: f64 = 0.05;
+/// A time that is this much off, over the sought one, is tried once more, and named where that did not help.
+pub const TIME_OFF: f64 = 0.05;
 
 /// Traces paths of one baseline with one seed.
 pub(super) struct Tracer<'a> {
@@ -144,7 +144,7 @@ impl<'a> Tracer<'a> {
                 // Few samples take longer each than many: a picture is done when its longest path is.
                 let better = (f64::from(samples) * budget.seconds / done.seconds).round() as u32;
                 let off = (done.seconds / budget.seconds - 1.0).abs();
-                if off > OFF && better.max(1) != samples.max(1) {
+                if off > TIME_OFF && better.max(1) != samples.max(1) {
                     let again = self.sample(self.job.size, better.max(1))?;
                     if (again.seconds / budget.seconds - 1.0).abs() < off {
                         done = again;

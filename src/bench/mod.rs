@@ -29,7 +29,7 @@ pub use row::{After, Errors, Kind, Row};
 pub use statistics::{Mean, Spread};
 pub use truth::{Look, TRUTH_STEPS, Target, Truth};
 
-use baseline::{BASELINES, Budget, Traced, Tracer};
+use baseline::{BASELINES, Budget, TIME_OFF, Traced, Tracer};
 use equal::{Needed, needed, over_seeds};
 use frames::{Run, run};
 

@@ -177,6 +177,11 @@ impl Truth {
         itself.map(drop).map_err(wrong)
     }
 
+    /// The picture itself.
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
     /// Pixels of the picture in a row for one of the truth's.
     pub fn step(&self) -> u32 {
         self.step

@@ -5,6 +5,7 @@ use super::output::{progress, say};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::check::{Difference, Participant, Way as How, bisect, surfels};
 use crate::picture::ensure_writable;
+use crate::words::counted;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -116,7 +117,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
 
 fn tell(summary: &Summary<'_>, [a, b]: [&str; 2]) -> Result<(), CommandError> {
     let Some(parted) = &summary.parted else {
-        say!("{a} and {b} agree over {} frames", summary.frames);
+        say!(
+            "{a} and {b} agree over {}",
+            counted(summary.frames, "frame")
+        );
         return Ok(());
     };
     say!(

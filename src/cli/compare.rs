@@ -1,4 +1,5 @@
 //! `gibs compare`: the errors of a picture against the truth.
+use super::output::warning;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -127,6 +128,9 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
         write_map(&report, out)?;
     }
     print(&report, args.json).map_err(CompareCommandError::Print)?;
+    if let Some(wrong) = report.other_view() {
+        warning!("{}: {wrong}", args.ours.display());
+    }
     if report.passed() {
         Ok(())
     } else {

@@ -17,8 +17,8 @@ pub struct Args {
     /// dot, json or text
     #[arg(long, default_value = "text", value_parser = ["dot", "json", "text"])]
     format: String,
-    /// Say what the scene and the settings need, and what that adds or saves
-    #[arg(long, conflicts_with = "format")]
+    /// Say what the scene and the settings need, and what that adds or saves, as text or json
+    #[arg(long)]
     why: bool,
     /// With --why: also measure the time that is saved by what is left out, over so many frames
     #[arg(long, value_name = "FRAMES", requires = "why", value_parser = clap::value_parser!(u32).range(1..=65_536))]
@@ -30,6 +30,13 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
+    if args.why && args.format == "dot" {
+        return Err(CommandError::Value {
+            option: "--format",
+            value: "dot".into(),
+            want: "--why has text and json".into(),
+        });
+    }
     let settings = args.settings.load()?;
     let loaded = args.scene.load()?;
     let gi = Gi::new(
@@ -52,7 +59,15 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             bar.set_position(done.into());
         });
         bar.finish_and_clear();
-        return print(&saving_table(&savings?, true));
+        let savings = savings?;
+        match args.format.as_str() {
+            "json" => say!(
+                "{}",
+                serde_json::to_string_pretty(&savings).unwrap_or_default()
+            ),
+            _ => print(&saving_table(&savings, true))?,
+        }
+        return Ok(());
     }
     let schedule = gi.schedule();
     match args.format.as_str() {

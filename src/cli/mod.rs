@@ -20,7 +20,7 @@ mod stress;
 
 pub use error::CommandError;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Real-time global illumination with surfels on wgpu, Vulkan and the CPU
@@ -70,7 +70,10 @@ fn tell_kernels_once() {
 
 /// Runs the program: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    // A negative number is a value that is refused with its range, and no option.
+    let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+    let parsed = command.try_get_matches();
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version go to standard output and are no failure.

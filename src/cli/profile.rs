@@ -1,7 +1,7 @@
 //! `gibs profile`: time, work and memory of every stage.
 use super::CommandError;
 use super::output::{say, warning};
-use super::run::title;
+use super::run::{title, warn_of_no_light};
 use super::scene::{Loaded, SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::gi::Gi;
@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     for warning in &gi.scene().warnings {
         warning!("{warning}");
     }
+    warn_of_no_light(&settings);
     let (mut all, mut comparisons) = (Vec::new(), Vec::new());
     for backend in &backends {
         let backend = backend.as_ref();

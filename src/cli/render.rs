@@ -5,6 +5,7 @@ use super::run::{warn_at_start, warn_of, warn_of_few_rays};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::picture::{Format, ensure_writable};
+use crate::words::counted;
 use crate::{Clamped, DebugPicture, Renderer};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gibs_passes::frame::{DebugScale, DebugView};
@@ -216,15 +217,15 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             None => String::new(),
         };
         say!(
-            "{} on {} ({}): {} frames of {}x{}, first after {:.2} s{then}; {} surfels, {:.0} MB; wrote {}",
+            "{} on {} ({}): {} of {}x{}, first after {:.2} s{then}; {}, {:.0} MB; wrote {}",
             args.scene.scene,
             summary.backend,
             summary.device,
-            summary.frames,
+            counted(summary.frames, "frame"),
             summary.size[0],
             summary.size[1],
             summary.seconds_to_first_frame,
-            summary.surfels,
+            counted(summary.surfels, "surfel"),
             summary.bytes as f64 / 1e6,
             summary.out.display()
         );

@@ -7,6 +7,7 @@ use crate::backends::{self, Choice};
 use crate::measure::{CameraPath, HoleRow, RoamRow, csv, group_plot, or_empty, plot_of, roam};
 use crate::picture::replace_file;
 use crate::plot::Axis;
+use crate::words::counted;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -167,11 +168,11 @@ fn table(flight: &Flight, args: &Args) -> String {
     let median_of =
         |of: &dyn Fn(&RoamRow) -> Option<f64>| median(flight.rows.iter().filter_map(of).collect());
     let mut text = format!(
-        "{} on {} ({}): {} frames of {width}x{height}, {:.1} ms each\n",
+        "{} on {} ({}): {} of {width}x{height}, {:.1} ms each\n",
         args.scene.scene,
         flight.backend,
         flight.device,
-        flight.rows.len(),
+        counted(flight.rows.len() as u64, "frame"),
         median_of(&|row| Some(row.frame.ms)),
     );
     text += &format!(

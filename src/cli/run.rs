@@ -1,8 +1,11 @@
-//! What the commands share that run many frames: `stress` and `roam`.
+//! What the commands share that run many frames.
 use super::CommandError;
 use super::output::warning;
 use super::scene::{Loaded, SceneArgs};
+use crate::compare::{CompareOptions, compare};
 use crate::measure::FrameRow;
+use crate::picture::Picture;
+use crate::reference::{ReferenceOptions, reference};
 use crate::{Counters, Renderer};
 use gibs_graph::Backend;
 use gibs_passes::frame::Settings;
@@ -32,11 +35,16 @@ pub(super) fn prepare(
     Ok(renderer)
 }
 
-/// Says what the scene has that is left out, and what the settings leave no light of.
+/// Says what the scene has that is left out, and what settings leave no light of.
 pub(super) fn warn_at_start(renderer: &Renderer, settings: &Settings) {
     for warning in renderer.warnings() {
         warning!("{warning}");
     }
+    warn_of_no_light(settings);
+}
+
+/// Says what settings leave no light of.
+pub(super) fn warn_of_no_light(settings: &Settings) {
     if settings.surfels == 0 {
         warning!("without surfels there is direct light only");
     } else if settings.rays == 0 {
@@ -116,6 +124,28 @@ pub(super) fn warn_of_few_rays(surfels: u64, rays: u64) {
             "{surfels} surfels have had {rays} rays in all, less than one each; raise `rays`, or render more frames"
         );
     }
+}
+
+/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size.
+pub(super) fn warn_of_truth(
+    backend: &dyn Backend,
+    loaded: &Loaded,
+    truth: &Picture,
+    path: &Path,
+) -> Result<(), CommandError> {
+    let options = ReferenceOptions {
+        size: [truth.width, truth.height],
+        samples: 1,
+        seed: 0,
+        emitters: false,
+    };
+    let (ours, _) = reference(backend, &loaded.scene, &loaded.view, &options, |_, _| ())?;
+    // A truth that nothing can be held against is refused by what measures.
+    let report = compare(&ours, truth, &CompareOptions::default()).ok();
+    if let Some(wrong) = report.and_then(|report| report.other_view()) {
+        warning!("{}: {wrong}", path.display());
+    }
+    Ok(())
 }
 
 /// The median of some numbers, 0 of none.

@@ -1,7 +1,7 @@
 //! `gibs stress`: from an empty cache to converged.
 use super::CommandError;
 use super::output::{prepare_folder, progress, say};
-use super::run::{Totals, median, prepare, title};
+use super::run::{Totals, median, prepare, title, warn_of_truth};
 use super::scene::{SceneArgs, TechniqueArgs, ray_budget};
 use crate::backends::{self, Choice};
 use crate::measure::{
@@ -9,6 +9,7 @@ use crate::measure::{
 };
 use crate::picture::{Picture, replace_file};
 use crate::plot::Axis;
+use crate::words::counted;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -107,6 +108,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         .transpose()?;
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
+    if let Some((path, truth)) = args.truth.as_ref().zip(truth.as_ref()) {
+        warn_of_truth(backend.as_ref(), &loaded, truth, path)?;
+    }
     let mut runs = Vec::new();
     for settings in &budgets {
         let mut renderer = prepare(backend.as_ref(), &loaded, settings, args.seed)?;
@@ -180,8 +184,10 @@ fn table(run: &Run, args: &Args) -> String {
     };
     text += &match &run.converged {
         Some(at) => format!(
-            "{word} after {} frames, {:.2} s: from there on the block error against {} stays below {limit} %\n",
-            at.frames, at.seconds, run.against
+            "{word} after {}, {:.2} s: from there on the block error against {} stays below {limit} %\n",
+            counted(at.frames as u64, "frame"),
+            at.seconds,
+            run.against
         ),
         None => format!(
             "not {word} after {} frames: the block error against {} does not stay below {limit} %\n",

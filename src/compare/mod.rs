@@ -10,6 +10,7 @@ mod metrics;
 mod noise;
 mod pair;
 mod report;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use metrics::{BLOCK, BLOCK_MIN_PIXELS, Metrics, TRUTH_FLOOR};
 pub use noise::noise_floor;
 pub use pair::MaskCounts;
 pub use report::{HEAT_FULL_SCALE, Maps, NonFinite, Report};
+pub use surfaces::{OTHER_DEPTH, OTHER_VIEW};
 
 use metrics::measure;
 use pair::Pair;
@@ -88,6 +90,7 @@ fn compare_pair(pair: Pair, options: &CompareOptions) -> Result<Report, CompareE
         averaged: pair.factor as u32,
         centers: options.centers,
         mask: pair.counts,
+        elsewhere: pair.elsewhere,
         mean,
         exposure,
         metrics: if spoiled {

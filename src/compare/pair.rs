@@ -3,6 +3,7 @@ use crate::picture::{Picture, luminance};
 
 use super::error::CompareError;
 use super::report::NonFinite;
+use super::surfaces::elsewhere;
 
 /// How many of the truth's pixels count, and why the others do not (the first reason that holds).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -30,6 +31,8 @@ pub(super) struct Pair {
     /// Whether the pixel is compared. The truth is finite wherever this holds.
     pub mask: Vec<bool>,
     pub counts: MaskCounts,
+    /// How many of them show another surface in ours, where both tell depths.
+    pub elsewhere: Option<usize>,
     pub non_finite: NonFinite,
 }
 
@@ -66,10 +69,12 @@ impl Pair {
         let at = |i: usize| [(i % ours_width) as u32, (i / ours_width) as u32];
         let anywhere = not_finite(ours_rgb, |_| true);
         let in_mask = not_finite(ours_rgb, |i| mask[cell(i)]);
+        let elsewhere = elsewhere(ours, truth, factor, &mask)?;
         Ok(Self {
             width,
             height,
             factor,
+            elsewhere,
             ours: ours_rgb.map(|plane| match centers {
                 true => middles(plane, width, factor),
                 false => average_down(plane, width, height, factor),

@@ -8,6 +8,7 @@ use crate::picture::{FINAL_IMAGE, Picture, PictureError, heat_map};
 
 use super::metrics::Metrics;
 use super::pair::MaskCounts;
+use super::surfaces::OTHER_VIEW;
 
 /// The relative error at which a heat map reaches its brightest colour: half of the truth.
 pub const HEAT_FULL_SCALE: f32 = 0.5;
@@ -27,6 +28,9 @@ pub struct Report {
     pub centers: bool,
     /// The pixels compared and left out.
     pub mask: MaskCounts,
+    /// How many of the pixels compared show another surface in ours, by [`OTHER_DEPTH`](super::OTHER_DEPTH); `None` where one of
+    /// the two has no depth.
+    pub elsewhere: Option<usize>,
     /// m: the truth's mean luminance over the mask, in the layer's units.
     pub mean: f64,
     /// The factor on both pictures before FLIP.
@@ -73,6 +77,16 @@ impl Report {
     /// No statement about the size of the errors.
     pub fn passed(&self) -> bool {
         self.non_finite.anywhere == 0
+    }
+
+    /// What is wrong if more than [`OTHER_VIEW`] of the pixels show another surface.
+    pub fn other_view(&self) -> Option<String> {
+        let (elsewhere, of) = (self.elsewhere?, self.mask.valid);
+        (elsewhere as f64 > OTHER_VIEW * of as f64).then(|| {
+            format!(
+                "{elsewhere} of {of} pixels show another surface; are both of one scene and view?"
+            )
+        })
     }
 
     /// The size of the relative error per pixel, black for none to pale yellow for `full_scale`
@@ -122,6 +136,12 @@ impl fmt::Display for Report {
             if count > 0 {
                 writeln!(f, "  {count} {reason}")?;
             }
+        }
+        if let Some(elsewhere) = self.elsewhere.filter(|count| *count > 0) {
+            writeln!(
+                f,
+                "  {elsewhere} of them show another surface in our picture"
+            )?;
         }
         if self.averaged > 1 {
             let how = match self.centers {

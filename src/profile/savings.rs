@@ -20,7 +20,9 @@ pub struct Saving {
 /// What a need adds to a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SavedTime {
-    /// Milliseconds: what `ratio` adds to the median frame without it.
+    /// Median frame without it, milliseconds.
+    pub without_ms: f64,
+    /// Milliseconds: what `ratio` adds to that.
     pub ms: f64,
     /// The frame with it over the frame without, in the geometric mean over pairs of frames.
     pub ratio: Interval,
@@ -92,6 +94,7 @@ pub fn savings(
         let usual = quantile(&without, 0.5);
         let ratio = Interval::of_pairs(with.into_iter().zip(without));
         saving.time = Some(SavedTime {
+            without_ms: usual,
             ms: usual * (ratio.ratio - 1.0),
             ratio,
         });

@@ -1,5 +1,6 @@
 //! Profiles as text.
 use super::{Comparison, Cost, Figure, Interval, Profile, Saving, StageCost, Verdict};
+use crate::words::counted;
 use std::fmt::Write;
 
 /// Share of the steps' time below which a stage has no line of its own.
@@ -50,13 +51,12 @@ fn heading(profile: &Profile) -> String {
     let [width, height] = profile.size;
     let frame = &profile.frame;
     let mut text = format!(
-        "{} on {} ({}): {width}x{height}, {} run{} of {} frames after {}\n",
+        "{} on {} ({}): {width}x{height}, {} of {} after {}\n",
         profile.scene,
         profile.backend,
         profile.device,
-        profile.runs,
-        if profile.runs == 1 { "" } else { "s" },
-        profile.frames,
+        counted(profile.runs, "run"),
+        counted(profile.frames, "frame"),
         profile.warm_up,
     );
     let wall = &frame.wall_ms;
@@ -92,8 +92,8 @@ fn heading(profile: &Profile) -> String {
     let rays: u64 = profile.steps.iter().map(|step| step.work.rays).sum();
     let _ = writeln!(
         text,
-        "{} surfels; {} rays traced, {} of them from surfels",
-        profile.counters.live,
+        "{}; {} rays traced, {} of them from surfels",
+        counted(profile.counters.live, "surfel"),
         count(rays),
         count(profile.counters.rays.into())
     );
@@ -164,6 +164,12 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     let [now, before] = runs;
+    if !comparison.differences.is_empty() {
+        let _ = writeln!(
+            text,
+            "What is not alike, above, has its part in every ratio and verdict."
+        );
+    }
     let _ = writeln!(
         text,
         "Intervals come from how the medians of {before} runs before and {now} now differ; what changed on the machine between \
@@ -185,7 +191,10 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
             let megabytes = need.bytes as f64 / 1e6;
             let time = saving.time.map(|time| {
                 let (ms, ratio) = (time.ms, percent(&time.ratio));
-                format!(", {ms:+.2} ms a frame ({ratio})")
+                format!(
+                    ", {ms:+.2} ms on a frame of {:.2} ({ratio})",
+                    time.without_ms
+                )
             });
             let _ = writeln!(
                 text,

@@ -169,6 +169,7 @@ fn what_is_slower_than_the_noise_is_told() {
     assert_eq!(faster.unwrap().verdict, Verdict::Faster);
     let text = comparison_table(&comparison, [3, 3]);
     assert_eq!(text.matches("SLOWER").count(), 1, "{text}");
+    assert!(!text.contains("not alike"), "{text}");
 
     new.size = [8, 6];
     new.seed = 7;
@@ -190,7 +191,8 @@ fn what_is_slower_than_the_noise_is_told() {
     );
     let text = comparison_table(&compare(&new, &old), [3, 3]);
     assert!(
-        text.contains("not alike: view's exposure: 1 before"),
+        text.contains("not alike: view's exposure: 1 before")
+            && text.contains("has its part in every ratio"),
         "{text}"
     );
     old.scene = "\u{1b}[2J".into();

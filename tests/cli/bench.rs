@@ -248,6 +248,21 @@ fn what_does_not_fit_is_refused() {
     ];
     let text = succeed(&[&FEW[..14], &more].concat());
     assert!(text.contains("one of 25 pixels, standard error"), "{text}");
+    assert!(text.contains("| after 3 frames | relMSE |"), "{text}");
+    // The same truth of another scene is taken, and doubted.
+    let other = ["bench", "atrium", "--elements", "all"];
+    let set = ["--backends", "cpu", "--size", "60x40", "--rays", "20000"];
+    let few = ["--frames", "1", "--seeds", "1", "--search", "0"];
+    let truth_of = ["--truth", truth.as_str()];
+    let output = gibs(&[&other[..], &set, &few, &truth_of].concat());
+    let (message, text) = (stderr(&output), stdout(&output));
+    assert_eq!(output.status.code(), Some(0), "{message}");
+    assert!(
+        message.contains("truth.exr: ") && message.contains("show another surface"),
+        "{message}"
+    );
+    assert!(text.contains("| after 1 frame | relMSE |"), "{text}");
+    assert!(text.contains("| without sharing |"), "{text}");
     assert!(text.contains("| without depth | "), "{text}");
     assert!(!text.contains("times the time"), "{text}");
     refused(

@@ -35,6 +35,19 @@ fn the_frame_is_shown_in_every_format() {
 /// left out is not.
 #[test]
 fn why_says_what_the_scene_needs() {
+    let printed = json(&["graph", "cornell", "--why", "--format", "json"]);
+    let needs = printed.as_array().unwrap();
+    let lights = needs.iter().find(|need| need["name"] == "direct light");
+    let lights = lights.unwrap();
+    assert_eq!(
+        (&lights["present"], &lights["time"]),
+        (&false.into(), &serde_json::Value::Null)
+    );
+    assert!(!lights["stages"].as_array().unwrap().is_empty());
+    refused(
+        &["graph", "cornell", "--why", "--format", "dot"],
+        &["--format", "dot", "--why"],
+    );
     for (scene, light) in [("cornell", "left out"), ("atrium", "needed")] {
         let why = succeed(&["graph", scene, "--why"]);
         let frame = succeed(&["graph", scene]);

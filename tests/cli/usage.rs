@@ -71,6 +71,18 @@ fn bad_sizes_say_what_is_taken() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
+/// A minus does not make an option of a number.
+#[test]
+fn negative_numbers_are_refused_with_the_range() {
+    for (command, option) in [
+        ("render", "--frames"),
+        ("profile", "--runs"),
+        ("bench", "--seeds"),
+    ] {
+        refused(&[command, "cornell", option, "-1"], &[option, "-1", "1..="]);
+    }
+}
+
 #[test]
 fn bad_backends_and_settings_list_what_there_is() {
     refused(

@@ -2,7 +2,7 @@
 use super::sections::{pictures, plots, tables};
 use super::table::{asked, rounded, times, with_interval};
 use super::{BenchReport, Measured, heading};
-use crate::bench::{EqualError, Kind};
+use crate::bench::{EqualError, Kind, TIME_OFF};
 use crate::html::{escaped, page};
 use std::fmt::Write;
 
@@ -39,6 +39,7 @@ MAPE is the mean relative error; relMSE weighs large errors more, as noise does;
 so that whatever else the machine did fell on all of them; path tracing ran after them.\
 <li><i>Path tracing</i> has a ray to an emitter or the sky at each vertex, <i>brute force</i> has none. <i>Equal rays</i> and <i>equal time</i> give them what \
 the first row had up to that frame. <i>The same error</i> is what they need to be as right as the first row.\
+<li>An equal time that was missed by more than 5 % says so, with the times that it took; samples are whole, so that it may be much where one takes long.\
 <li>A dot behind a name means that nothing measured has a smaller MAPE in no more time (the Pareto front).</ul></details>";
 
 /// The report as one HTML file that needs nothing else and runs no script.
@@ -102,7 +103,14 @@ fn summary(body: &mut String, all: &[Measured]) {
                 continue;
             };
             let traced = at(Kind::EqualTime).map_or_else(String::new, |after| {
-                with_interval(after.errors.mape, 100.0, false) + " %"
+                let mape = with_interval(after.errors.mape, 100.0, false);
+                match (after.ratio.median - 1.0).abs() > TIME_OFF {
+                    true => format!(
+                        "{mape} %, in {} times it",
+                        rounded(after.ratio.median, 2, false)
+                    ),
+                    false => mape + " %",
+                }
             });
             let needs = |baseline: &str| {
                 let of = |e: &&EqualError| {

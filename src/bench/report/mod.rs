@@ -121,9 +121,10 @@ pub fn heading(measured: &Measured) -> String {
         step => format!("one of {} pixels", step * step),
     };
     let samples = truth.samples.map(|n| format!(", {n} samples"));
-    let error = truth
-        .standard_error
-        .map(|e| format!(", standard error {:.1} % per pixel", e * 100.0));
+    let error = truth.standard_error.map_or_else(
+        || ", whose noise is not known".into(),
+        |e| format!(", standard error {:.1} % per pixel", e * 100.0),
+    );
     format!(
         "{} on {} ({}): {width}x{height}, {} rays a frame, {} seed{}; truth of {pixels}{}{}",
         measured.scene,
@@ -133,6 +134,6 @@ pub fn heading(measured: &Measured) -> String {
         measured.seeds,
         if measured.seeds == 1 { "" } else { "s" },
         samples.unwrap_or_default(),
-        error.unwrap_or_default(),
+        error,
     )
 }

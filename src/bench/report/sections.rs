@@ -1,11 +1,12 @@
 //! What the page shows of one scene on one backend.
 use super::Measured;
 use super::plots::{MAPE, Over, REL_MSE, curves, elements, front};
-use super::table::{EQUAL_HEADS, HEADS, asked, cells, equal_cells, rounded, with_interval};
+use super::table::{EQUAL_HEADS, HEADS, asked, cells, equal_cells, name, rounded, with_interval};
 use crate::bench::{Kind, Row, Shot};
 use crate::compare::HEAT_FULL_SCALE;
 use crate::html::{escaped, png};
 use crate::picture::{FINAL_IMAGE, Picture, inferno, tone_map};
+use crate::words::counted;
 use std::fmt::Write;
 
 /// Pictures, with maps of their errors below.
@@ -49,8 +50,8 @@ fn figure(body: &mut String, measured: &Measured, shot: &Shot) {
     let frames = shot.frames;
     let row = measured.rows.iter().find(|row| row.name == shot.name);
     let what = match row {
-        Some(row) if row.kind == Kind::EqualTime => format!("to {frames} frames"),
-        _ => format!("after {frames} frames"),
+        Some(row) if row.kind == Kind::EqualTime => format!("to {}", counted(frames, "frame")),
+        _ => format!("after {}", counted(frames, "frame")),
     };
     let after = row.and_then(|row| row.after.iter().find(|after| after.frames == frames));
     let seconds = after.map_or_else(String::new, |after| {
@@ -122,12 +123,13 @@ pub(super) fn tables(body: &mut String, measured: &Measured) {
     for frames in asked(&measured.rows) {
         let _ = write!(
             body,
-            "<div class=wide><table class=figures><tr><th>after {frames} frames<th class=n>{}</tr>",
+            "<div class=wide><table class=figures><tr><th>after {}<th class=n>{}</tr>",
+            counted(frames, "frame"),
             HEADS.join("<th class=n>")
         );
         for each in &measured.rows {
             for after in each.after.iter().filter(|after| after.frames == frames) {
-                let mut all = vec![each.name.clone()];
+                let mut all = vec![name(each, after)];
                 all.extend(cells(after));
                 row(body, if after.pareto { "best" } else { "" }, &all);
             }
@@ -152,8 +154,9 @@ fn switched(body: &mut String, rows: &[Row], frames: u32) {
     }
     let _ = write!(
         body,
-        "<h3>Each element switched, after {frames} frames</h3><div class=wide><table class=figures><tr><th>settings\
-         <th colspan=2>error (MAPE) over the first row's<th colspan=2>time over the first row's<th></tr>"
+        "<h3>Each element switched, after {}</h3><div class=wide><table class=figures><tr><th>settings\
+         <th colspan=2>error (MAPE) over the first row's<th colspan=2>time over the first row's<th></tr>",
+        counted(frames, "frame")
     );
     for row in rows.iter().filter(|row| row.kind == Kind::Element) {
         for after in row.after.iter().filter(|after| after.frames == frames) {

@@ -1,5 +1,6 @@
 //! Tables in Markdown.
-use crate::bench::{After, EqualError, Mean, Row};
+use crate::bench::{After, EqualError, Kind, Mean, Row, TIME_OFF};
+use crate::words::counted;
 
 /// A table in Markdown for each number of frames that was asked for. What stands behind ± is half of the 95 % confidence interval.
 pub fn table(rows: &[Row]) -> String {
@@ -18,6 +19,20 @@ pub(super) fn asked(rows: &[Row]) -> Vec<u32> {
     asked.sort_unstable();
     asked.dedup();
     asked
+}
+
+/// The name of a row, with how far equal time was missed.
+pub(super) fn name(row: &Row, after: &After) -> String {
+    let times = after.ratio.median;
+    let missed = row.kind == Kind::EqualTime && (times - 1.0).abs() > TIME_OFF;
+    match missed {
+        true => format!(
+            "{}, missed: {} times it",
+            row.name,
+            rounded(times, 2, false)
+        ),
+        false => row.name.clone(),
+    }
 }
 
 /// The heads of the columns.
@@ -56,11 +71,15 @@ pub(super) fn cells(after: &After) -> [String; 10] {
 }
 
 fn table_after(rows: &[Row], frames: u32) -> String {
-    let mut text = format!("| after {frames} frames | {} |\n", HEADS.join(" | "));
+    let mut text = format!(
+        "| after {} | {} |\n",
+        counted(frames, "frame"),
+        HEADS.join(" | ")
+    );
     text += &("|---".repeat(HEADS.len() + 1) + "|\n");
     for row in rows {
         for after in row.after.iter().filter(|after| after.frames == frames) {
-            text += &format!("| {} | {} |\n", row.name, cells(after).join(" | "));
+            text += &format!("| {} | {} |\n", name(row, after), cells(after).join(" | "));
         }
     }
     text

@@ -117,6 +117,26 @@ fn tables_are_markdown_with_confidence_intervals() {
 }
 
 #[test]
+fn an_equal_time_that_was_missed_says_so() {
+    let mut measured = measured();
+    let rows = |measured: &Measured| {
+        let text = table(&measured.rows);
+        let names = text.lines().filter_map(|line| line.split(" | ").next());
+        names.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(rows(&measured)[5], "| path tracing, equal time");
+    for row in &mut measured.rows {
+        for after in &mut row.after {
+            after.ratio.median = 1.46;
+        }
+    }
+    let names = rows(&measured);
+    assert_eq!(names[5], "| path tracing, equal time, missed: 1.5 times it");
+    // Other times are not meant to be equal.
+    assert_eq!(names[2..5], rows(&self::measured())[2..5]);
+}
+
+#[test]
 fn what_was_not_reached_is_said_to_be_more() {
     let text = equal_error_table(&measured().equal_error);
     let lines: Vec<&str> = text.lines().collect();

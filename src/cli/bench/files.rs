@@ -2,7 +2,10 @@
 use crate::bench::{self, BenchReport, Measured};
 use crate::cli::CommandError;
 use crate::picture::replace_file;
+use std::ffi::OsStr;
+use std::fs::DirEntry;
 use std::path::Path;
+use std::time::SystemTime;
 
 /// The page with all of it.
 pub const PAGE: &str = "bench.html";
@@ -29,6 +32,20 @@ pub fn write_plots(folder: &Path, stem: &str, measured: &Measured) -> Result<(),
         replace_file(&folder.join(format!("{stem}-{name}.svg")), svg.as_bytes())?;
     }
     Ok(())
+}
+
+/// How many plots and pictures of a folder are older than this: an earlier run's of other scenes or backends, say, which nothing
+/// of this run's page shows.
+pub fn left_of_before(folder: &Path, start: SystemTime) -> usize {
+    let is_older = |entry: &DirEntry| {
+        let path = entry.path();
+        let written = ["svg", "exr"].map(OsStr::new);
+        let is_ours = path.extension().is_some_and(|e| written.contains(&e));
+        let modified = entry.metadata().and_then(|data| data.modified());
+        is_ours && modified.is_ok_and(|modified| modified < start)
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter(is_older).count()
 }
 
 /// How names of files begin: the scene's name, with a number where an earlier scene has the same, and the backend.

@@ -4,15 +4,18 @@ mod files;
 
 use super::CommandError;
 use super::output::{prepare_folder, progress, say, warning};
+use super::run::{warn_of_no_light, warn_of_truth};
 use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
 use crate::bench::{
     self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
     Pictures, Target, Truth, TruthCache,
 };
+use crate::words::counted;
 use backends::{Chosen, Opened};
 use gibs_graph::Backend;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::time::SystemTime;
 
 /// Measure speed against error: what each element of the technique gains and costs, beside path tracing
 ///
@@ -30,7 +33,7 @@ pub struct Args {
     size: [u32; 2],
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Elements to switch [default: all]
+    /// Elements of the technique to switch, or all [default: all]
     #[arg(long, value_name = "ELEMENT,..", value_delimiter = ',')]
     elements: Vec<String>,
     /// Backends to measure: auto, cpu, wgpu, vulkan, or all that this machine has
@@ -86,7 +89,9 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     one_scene(args)?;
     let settings = args.settings.load()?;
     settings.check()?;
-    let elements = match args.elements.is_empty() {
+    warn_of_no_light(&settings);
+    let all = args.elements.is_empty() || args.elements == ["all"];
+    let elements = match all {
         true => Configuration::elements(),
         false => {
             // What is named twice is measured once.
@@ -145,7 +150,18 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         cache: cache.as_ref(),
         rays: settings.rays,
     };
+    let start = SystemTime::now();
     let done = all.measure(&mut report);
+    if let Some(folder) = &args.report {
+        match files::left_of_before(folder, start) {
+            0 => {}
+            count => warning!(
+                "{}: {} (plots or pictures) that this run did not write",
+                folder.display(),
+                counted(count as u64, "older file")
+            ),
+        }
+    }
     // What was measured is not lost when another scene fails.
     if args.json && (done.is_ok() || !report.measured.is_empty()) {
         say!("{}", json(&report));
@@ -227,6 +243,9 @@ impl Work<'_> {
             None => path_trace(&of_first, args.spp, cache)?,
         };
         truth.check(name)?;
+        if let Some(path) = &args.truth {
+            warn_of_truth(first, loaded, truth.picture(), path)?;
+        }
         let look = match args.report {
             Some(_) => Some(look(&truth, &of_first, args.spp, cache)?),
             None => None,
