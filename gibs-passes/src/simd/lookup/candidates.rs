@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::pairs::ROOM;
+use super::pairs::{FULL, ROOM};
 
 /// For each mask of eight lanes, those that are set, in order, a byte each.
 static SET: [u64; 256] = {
@@ -48,50 +48,21 @@ impl Candidates {
         }
     }
 
-    /// Pairs in it.
-    #[inline(always)]
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
     /// The surfels.
     #[inline(always)]
     pub fn surfels(&self) -> impl Iterator<Item = usize> {
-        // SAFETY: `append` and `append_sixteen` have written what is below the count.
+        // SAFETY: `Filling` has written what is below the count.
         let written = |surfel: &MaybeUninit<u32>| unsafe { surfel.assume_init() } as usize;
         self.surfels[..self.count].iter().map(written)
     }
 
-    /// Appends those of eight surfels that a mask names, each with the point that all lanes of `point` have.
-    #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    pub fn append(&mut self, mask: u32, surfels: __m256i, point: __m256i) {
-        let room = self.count..self.count + 8;
-        let to = (&mut self.surfels[room.clone()], &mut self.points[room]);
-        // SAFETY: the stores write the eight words of each slice and need no alignment.
-        unsafe {
-            let surfels = _mm256_permutevar8x32_epi32(surfels, set_lanes(mask));
-            _mm256_storeu_si256(to.0.as_mut_ptr().cast(), surfels);
-            _mm256_storeu_si256(to.1.as_mut_ptr().cast(), point);
+    /// Goes on behind the last pair.
+    #[inline(always)]
+    pub fn filling(&mut self) -> Filling<'_> {
+        Filling {
+            count: self.count,
+            line: self,
         }
-        self.count += (mask & 0xff).count_ones() as usize;
-    }
-
-    /// Appends those of sixteen surfels that a mask names, each with the point that all lanes of `point` have.
-    #[inline]
-    #[target_feature(
-        enable = "avx512f,avx512bw,avx512vl,avx512vnni,avx2,fma,bmi1,bmi2,lzcnt,popcnt"
-    )]
-    pub fn append_sixteen(&mut self, mask: u16, surfels: __m512i, point: __m512i) {
-        let room = self.count..self.count + 16;
-        let to = (&mut self.surfels[room.clone()], &mut self.points[room]);
-        // SAFETY: the stores write the sixteen words of each slice and need no alignment.
-        unsafe {
-            let surfels = _mm512_maskz_compress_epi32(mask, surfels);
-            _mm512_storeu_si512(to.0.as_mut_ptr().cast(), surfels);
-            _mm512_storeu_si512(to.1.as_mut_ptr().cast(), point);
-        }
-        self.count += mask.count_ones() as usize;
     }
 
     /// Calls `each` with the surfels and points of all pairs, eight at a time, and with how many of them there are, the others being of
@@ -104,8 +75,7 @@ impl Candidates {
         self.points[end..end + 8].fill(MaybeUninit::new(0));
         let from = |line: &[MaybeUninit<u32>; ROOM], start: usize| {
             // SAFETY: eight elements from any start below the count on end within the eight behind the last pair, which were
-            // written here; those before were by `append`
-            // and `append_sixteen`.
+            // written here; those before were by `Filling`.
             unsafe { line.as_ptr().add(start).cast::<[u32; 8]>().read_unaligned() }
         };
         for start in (0..end).step_by(8) {
@@ -113,5 +83,65 @@ impl Candidates {
             each(surfels, points, (end - start).min(8));
         }
         self.count = 0;
+    }
+}
+
+/// A line that pairs are appended to. It has the count to itself until it is dropped, so that no store of a pair stands between two
+/// of the count: the compiler keeps it in a register, and one append does not wait for the count of the one before to come back from memory.
+pub struct Filling<'a> {
+    line: &'a mut Candidates,
+    count: usize,
+}
+
+impl Drop for Filling<'_> {
+    #[inline(always)]
+    fn drop(&mut self) {
+        self.line.count = self.count;
+    }
+}
+
+impl Filling<'_> {
+    /// Whether the line takes no more.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.count >= FULL
+    }
+
+    /// Appends those of eight surfels that a mask names, each with the point that all lanes of `point` have.
+    #[inline]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+    pub fn append(&mut self, mask: u32, surfels: __m256i, point: __m256i) {
+        let room = self.count..self.count + 8;
+        let (to, of) = (
+            &mut self.line.surfels[room.clone()],
+            &mut self.line.points[room],
+        );
+        // SAFETY: the stores write the eight words of each slice and need no alignment.
+        unsafe {
+            let surfels = _mm256_permutevar8x32_epi32(surfels, set_lanes(mask));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), surfels);
+            _mm256_storeu_si256(of.as_mut_ptr().cast(), point);
+        }
+        self.count += (mask & 0xff).count_ones() as usize;
+    }
+
+    /// Appends those of sixteen surfels that a mask names, each with the point that all lanes of `point` have.
+    #[inline]
+    #[target_feature(
+        enable = "avx512f,avx512bw,avx512vl,avx512vnni,avx2,fma,bmi1,bmi2,lzcnt,popcnt"
+    )]
+    pub fn append_sixteen(&mut self, mask: u16, surfels: __m512i, point: __m512i) {
+        let room = self.count..self.count + 16;
+        let (to, of) = (
+            &mut self.line.surfels[room.clone()],
+            &mut self.line.points[room],
+        );
+        // SAFETY: the stores write the sixteen words of each slice and need no alignment.
+        unsafe {
+            let surfels = _mm512_maskz_compress_epi32(mask, surfels);
+            _mm512_storeu_si512(to.as_mut_ptr().cast(), surfels);
+            _mm512_storeu_si512(of.as_mut_ptr().cast(), point);
+        }
+        self.count += mask.count_ones() as usize;
     }
 }

@@ -211,18 +211,30 @@ pub fn collect(
     lists: &[List<'_>],
     (first, mut start): (usize, usize),
 ) -> Option<(usize, usize)> {
+    let mut line = near.filling();
     for (at, list) in lists.iter().enumerate().skip(first) {
         let here = _mm256_set1_epi32(at as i32);
         let place = _mm256_set1_epi32(list.place as i32);
-        while start < list.ids.len() {
-            let (bounds, there) = eight(&list.bounds[start..]);
+        let (bounds, last_bounds) = list.bounds[start..].as_chunks::<8>();
+        let (ids, last_ids) = list.ids[start..].as_chunks::<8>();
+        for (bounds, ids) in bounds.iter().zip(ids) {
+            // SAFETY: the loads read eight words each and need no alignment; this function is compiled for AVX2.
+            unsafe {
+                let mask = may_reach(_mm256_loadu_si256(bounds.as_ptr().cast()), place);
+                line.append(mask, _mm256_loadu_si256(ids.as_ptr().cast()), here);
+            }
+            start += 8;
+            if line.is_full() {
+                return Some((at, start));
+            }
+        }
+        if !last_ids.is_empty() {
+            let (bounds, there) = eight(last_bounds);
             // SAFETY: this function is compiled for AVX2.
             let mask = unsafe { may_reach(bounds, place) } & there;
-            let (ids, _) = eight(&list.ids[start..]);
-            near.append(mask, ids, here);
-            start += 8;
-            if near.count() >= FULL {
-                return Some((at, start));
+            line.append(mask, eight(last_ids).0, here);
+            if line.is_full() {
+                return Some((at + 1, 0));
             }
         }
         start = 0;

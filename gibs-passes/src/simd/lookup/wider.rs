@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::candidates::Candidates;
-use super::pairs::FULL;
+
 use crate::shared::bounds::{FAR, MARGIN, RADIUS_AT};
 use crate::shared::lists::List;
 
@@ -14,15 +14,16 @@ pub fn collect(
     lists: &[List<'_>],
     (first, mut start): (usize, usize),
 ) -> Option<(usize, usize)> {
+    let mut line = near.filling();
     for (at, list) in lists.iter().enumerate().skip(first) {
         let here = _mm512_set1_epi32(at as i32);
         let place = _mm512_set1_epi32(list.place as i32);
         while start < list.ids.len() {
             let (bounds, there) = sixteen(&list.bounds[start..]);
             let (ids, _) = sixteen(&list.ids[start..]);
-            near.append_sixteen(may_reach(bounds, place) & there, ids, here);
+            line.append_sixteen(may_reach(bounds, place) & there, ids, here);
             start += 16;
-            if near.count() >= FULL {
+            if line.is_full() {
                 return Some((at, start));
             }
         }
@@ -60,7 +61,7 @@ fn may_reach(bounds: __m512i, place: __m512i) -> u16 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pairs;
+    use super::super::pairs::{self, FULL};
     use super::*;
     use crate::shared::{bounds, hash};
     use crate::simd::Avx2;
