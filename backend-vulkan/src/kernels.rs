@@ -3,10 +3,9 @@ use crate::device::Device;
 use crate::spirv::fold_access_chains;
 use ash::vk;
 use gibs_graph::{Access, BackendError, DispatchStep, Schedule, Step};
-use gibs_shaders::{Compiler, SPIRV};
+use gibs_shaders::{Compiler, SPIRV, on_all_cores};
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// A pipeline and how its ports are bound.
 #[derive(Default)]
@@ -67,8 +66,13 @@ pub(crate) fn build(
         }
     }
     if !missing.is_empty() {
+        let compiler = Compiler::new();
+        // Drivers compile when a pipeline is made, which is slow.
+        let built = on_all_cores(&missing, |(_, step, dispatch)| {
+            Kernel::new(device, &compiler, &step.label, dispatch)
+        });
         let mut first_error = None;
-        for (result, (key, ..)) in build_all(device, &missing).into_iter().zip(missing) {
+        for (result, (key, ..)) in built.into_iter().zip(missing) {
             match result {
                 Ok(kernel) => drop(known.0.insert(key, Arc::new(kernel))),
                 Err(error) => first_error = first_error.or(Some(error)),
@@ -84,39 +88,6 @@ pub(crate) fn build(
         kernels[i] = known.0.get(&Key::of(dispatch)).map(Arc::clone);
     }
     Ok(kernels)
-}
-
-/// One result per entry of `missing`. Drivers compile when a pipeline is made, which is slow, so all cores share it.
-fn build_all(
-    device: &Device,
-    missing: &[(Key, &Step, &DispatchStep)],
-) -> Vec<Result<Kernel, BackendError>> {
-    let compiler = Compiler::new();
-    let next = AtomicUsize::new(0);
-    let built = Mutex::new(Vec::with_capacity(missing.len()));
-    let work = || loop {
-        let i = next.fetch_add(1, Ordering::Relaxed);
-        let Some((_, step, dispatch)) = missing.get(i) else {
-            break;
-        };
-        let kernel = Kernel::new(device, &compiler, &step.label, dispatch);
-        built
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push((i, kernel));
-    };
-    let threads = std::thread::available_parallelism()
-        .map_or(1, usize::from)
-        .min(missing.len());
-    std::thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let mut built = built.into_inner().unwrap_or_else(PoisonError::into_inner);
-    built.sort_by_key(|(i, _)| *i);
-    built.into_iter().map(|(_, kernel)| kernel).collect()
 }
 
 /// How a port is bound.

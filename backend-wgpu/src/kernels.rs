@@ -5,6 +5,7 @@ use crate::images;
 use crate::passthrough;
 use crate::stores::Stores;
 use gibs_graph::{Access, BackendError, DispatchStep, ImageFormat, Port, Schedule};
+use gibs_shaders::on_all_cores;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -40,33 +41,56 @@ pub(crate) struct Kernel {
     numbers: Vec<(&'static str, u32)>,
 }
 
-/// The kernel of a stage, built unless it was before.
+/// The kernel of every step of a schedule (`None` for a clear), in order. Those that were not built before are, on all cores.
 ///
 /// # Errors
-/// [`BackendError::Kernel`] with what the compiler or the driver said.
-pub(crate) fn kernel(
+/// [`BackendError::Kernel`] of the first stage whose kernel is refused, with what the compiler or the driver said.
+pub(crate) fn kernels(
     context: &Context,
-    label: &str,
-    dispatch: &DispatchStep,
-) -> Result<Arc<Kernel>, BackendError> {
-    let source = &dispatch.kernel.wgsl;
-    let slots = dispatch
-        .ports
-        .iter()
-        .filter_map(|port| Some((port.name, slot(port)?)))
-        .collect();
-    let key = Key {
-        name: source.name,
-        text: source.text,
-        features: dispatch.features(),
-        slots,
-    };
-    if let Some(built) = lock(&context.kernels).get(&key) {
-        return Ok(Arc::clone(built));
+    schedule: &Schedule,
+) -> Result<Vec<Option<Arc<Kernel>>>, BackendError> {
+    let mut missing: Vec<(Key, &str, &DispatchStep)> = Vec::new();
+    // Held to the end, so that two threads do not build the same kernel.
+    let mut known = lock(&context.kernels);
+    for (_, step, dispatch) in schedule.dispatches() {
+        let key = Key::of(dispatch);
+        if !known.contains_key(&key) && !missing.iter().any(|(other, ..)| *other == key) {
+            missing.push((key, &step.label, dispatch));
+        }
     }
-    let built = Arc::new(build(context, label, dispatch, &key.slots)?);
-    lock(&context.kernels).insert(key, Arc::clone(&built));
-    Ok(built)
+    let built = on_all_cores(&missing, |(key, label, dispatch)| {
+        build(context, label, dispatch, &key.slots)
+    });
+    let mut refused = None;
+    for ((key, ..), built) in missing.into_iter().zip(built) {
+        match built {
+            Ok(kernel) => drop(known.insert(key, Arc::new(kernel))),
+            Err(error) => refused = refused.or(Some(error)),
+        }
+    }
+    if let Some(error) = refused {
+        return Err(error);
+    }
+    let mut kernels = vec![None; schedule.steps.len()];
+    for (i, _, dispatch) in schedule.dispatches() {
+        kernels[i] = known.get(&Key::of(dispatch)).map(Arc::clone);
+    }
+    Ok(kernels)
+}
+
+impl Key {
+    fn of(dispatch: &DispatchStep) -> Self {
+        let source = &dispatch.kernel.wgsl;
+        let slots = dispatch.ports.iter();
+        Self {
+            name: source.name,
+            text: source.text,
+            features: dispatch.features(),
+            slots: slots
+                .filter_map(|port| Some((port.name, slot(port)?)))
+                .collect(),
+        }
+    }
 }
 
 fn slot(port: &Port) -> Option<Slot> {

@@ -1,7 +1,7 @@
 //! Steps with their kernels, and bind groups for whatever they bind at the time.
 use crate::buffers::Parity;
 use crate::context::Context;
-use crate::kernels::{Kernel, bind, kernel};
+use crate::kernels::{Kernel, bind, kernels};
 use crate::stores::{Import, Stores};
 use gibs_graph::{
     Action, BackendError, DispatchSize, DispatchStep, Kind, ResourceId, Schedule, unknown_step,
@@ -85,8 +85,9 @@ impl Dispatch {
 impl Steps {
     /// Builds every kernel.
     pub fn new(context: &Context, schedule: &Arc<Schedule>) -> Result<Self, BackendError> {
+        let kernels = kernels(context, schedule)?;
         let mut steps = Vec::with_capacity(schedule.steps.len());
-        for (i, step) in schedule.steps.iter().enumerate() {
+        for ((i, step), kernel) in schedule.steps.iter().enumerate().zip(kernels) {
             let label = &step.label;
             if let Action::Dispatch(dispatch) = &step.action
                 && !matches!(
@@ -96,16 +97,16 @@ impl Steps {
             {
                 return Err(unknown_step(label));
             }
-            steps.push(match &step.action {
-                &Action::Clear(resource) => Step::Clear {
+            steps.push(match (&step.action, kernel) {
+                (&Action::Clear(resource), _) => Step::Clear {
                     step: i,
                     resource,
                     bytes: schedule.resources[resource as usize].bytes,
                 },
-                Action::Dispatch(dispatch) => Step::Dispatch(Box::new(Dispatch {
+                (Action::Dispatch(dispatch), Some(kernel)) => Step::Dispatch(Box::new(Dispatch {
                     step: i,
                     label: label.clone(),
-                    kernel: kernel(context, label, dispatch)?,
+                    kernel,
                     size: dispatch.size,
                     groups: Vec::new(),
                     chosen: 0,

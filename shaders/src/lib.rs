@@ -23,6 +23,8 @@ mod layout;
 #[cfg(feature = "compiler")]
 mod names;
 #[cfg(feature = "compiler")]
+mod parallel;
+#[cfg(feature = "compiler")]
 mod reflect;
 #[cfg(feature = "compiler")]
 mod validate;
@@ -31,6 +33,8 @@ mod validate;
 pub use compiler::{CompiledKernel, Compiler, SPIRV};
 #[cfg(feature = "compiler")]
 pub use error::ShaderError;
+#[cfg(feature = "compiler")]
+pub use parallel::on_all_cores;
 #[cfg(feature = "compiler")]
 pub use validate::WgslError;
 
