@@ -85,18 +85,15 @@ impl Dispatch {
 impl Steps {
     /// Builds every kernel.
     pub fn new(context: &Context, schedule: &Arc<Schedule>) -> Result<Self, BackendError> {
+        for (_, step, dispatch) in schedule.dispatches() {
+            let (DispatchSize::Groups(_) | DispatchSize::Indirect(_)) = dispatch.size else {
+                return Err(unknown_step(&step.label));
+            };
+        }
         let kernels = kernels(context, schedule)?;
         let mut steps = Vec::with_capacity(schedule.steps.len());
         for ((i, step), kernel) in schedule.steps.iter().enumerate().zip(kernels) {
             let label = &step.label;
-            if let Action::Dispatch(dispatch) = &step.action
-                && !matches!(
-                    dispatch.size,
-                    DispatchSize::Groups(_) | DispatchSize::Indirect(_)
-                )
-            {
-                return Err(unknown_step(label));
-            }
             steps.push(match (&step.action, kernel) {
                 (&Action::Clear(resource), _) => Step::Clear {
                     step: i,

@@ -55,7 +55,7 @@ pub(super) const BASELINES: [Baseline; 2] = [
 const PILOT: u32 = 8;
 
 /// A time that is this much off, over the sought one, is tried once more, and named where that did not help.
-pub const TIME_OFF: f64 = 0.05;
+pub(super) const TIME_OFF: f64 = 0.05;
 
 /// Traces paths of one baseline with one seed.
 pub(super) struct Tracer<'a> {

@@ -2,6 +2,7 @@
 use crate::RenderError;
 use crate::compare::CompareError;
 use crate::picture::PictureError;
+use crate::words::counted;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -24,7 +25,7 @@ pub enum BenchError {
         source: CompareError,
     },
     /// A picture could not be compared with the truth.
-    #[error("{configuration} after {frames} frames against the truth: {source}")]
+    #[error("{configuration} after {} against the truth: {source}", counted(*frames, "frame"))]
     Compare {
         /// Configuration.
         configuration: String,
@@ -35,8 +36,8 @@ pub enum BenchError {
     },
     /// A picture is broken.
     #[error(
-        "{configuration} after {frames} frames: {count} pixels of E are NaN or infinite; please report this with the \
-         command line"
+        "{configuration} after {}: {} of E NaN or infinite; please report this with the command line",
+        counted(*frames, "frame"), counted(*count as u64, "pixel")
     )]
     NotFinite {
         /// Configuration.

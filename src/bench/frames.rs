@@ -84,16 +84,19 @@ impl Run {
     }
 }
 
-/// Renders all configurations with one seed.
+/// Renders all configurations with one seed. `warnings` become those of the scene.
 pub(super) fn run(
     job: &Job<'_>,
     configurations: &[Configuration],
     progress: &mut impl FnMut(),
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<Run>, BenchError> {
     let mut renderers = configurations
         .iter()
         .map(|configuration| started(job, configuration))
         .collect::<Result<Vec<_>, RenderError>>()?;
+    let of_first = renderers.first().map_or(&[][..], Renderer::warnings);
+    *warnings = of_first.to_vec();
     let count = renderers.len();
     let mut runs = vec![Run::default(); count];
     let last = job.checkpoints.last().map_or(0, |(frames, _)| *frames);

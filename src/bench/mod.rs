@@ -59,6 +59,8 @@ pub struct Measurement {
     pub equal_error: Vec<EqualError>,
     /// Pictures of the first seed, where they were to be kept.
     pub shots: Vec<Shot>,
+    /// What the scene has that no device gets.
+    pub warnings: Vec<String>,
 }
 
 /// The frames after which errors are measured, and whether they were asked for: those, and powers of two up to the largest.
@@ -94,7 +96,7 @@ pub fn measure(
     let checkpoints = checkpoints(&options.frames);
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); options.configurations.len()];
     let mut baselines = BASELINES.map(|_| Traces::default());
-    let mut shots = Vec::new();
+    let (mut shots, mut warnings) = (Vec::new(), Vec::new());
     for seed in 0..options.seeds {
         let job = frames::Job {
             backend: target.backend,
@@ -106,7 +108,7 @@ pub fn measure(
             seed,
             keep: options.pictures && seed == 0,
         };
-        let mut of_seed = run(&job, &options.configurations, &mut progress)?;
+        let mut of_seed = run(&job, &options.configurations, &mut progress, &mut warnings)?;
         if let Some(first) = of_seed.first_mut() {
             shots.append(&mut first.shots);
             for (baseline, traces) in BASELINES.iter().zip(&mut baselines) {
@@ -135,6 +137,7 @@ pub fn measure(
         rows,
         equal_error,
         shots,
+        warnings,
     })
 }
 

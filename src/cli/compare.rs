@@ -1,5 +1,6 @@
 //! `gibs compare`: the errors of a picture against the truth.
 use super::output::warning;
+use crate::words::counted;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "E")]
     pub channel: String,
     /// Factor on both pictures before FLIP [default: brings the truth's mean luminance to 0.18]
-    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", value_parser = positive)]
     pub exposure: Option<f64>,
     /// Where the picture is an odd multiple of the truth's size, take the pixels at the truth's centres instead of means
     #[arg(long)]
@@ -64,8 +65,8 @@ pub enum CompareCommandError {
     },
     /// The picture was compared and is broken.
     #[error(
-        "{}: {count} pixels of channel {channel} are NaN or infinite; \
-         render it again, and report it with the command line if they come back", path.display()
+        "{}: {} of channel {channel} NaN or infinite; \
+         render it again, and report it with the command line if that comes back", path.display(), counted(*count as u64, "pixel")
     )]
     NotFinite {
         /// The picture judged.
@@ -128,8 +129,12 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
         write_map(&report, out)?;
     }
     print(&report, args.json).map_err(CompareCommandError::Print)?;
-    if let Some(wrong) = report.other_view() {
-        warning!("{}: {wrong}", args.ours.display());
+    if let Some([elsewhere, of]) = report.other_view() {
+        warning!(
+            "{elsewhere} of {of} pixels show another surface in {} than in {}; are both of one scene and view?",
+            args.ours.display(),
+            args.truth.display()
+        );
     }
     if report.passed() {
         Ok(())
@@ -221,7 +226,7 @@ mod tests {
         for words in [
             &["a.exr"][..],
             &["a.exr", "b.exr", "--halves", "c.exr"],
-            &["a.exr", "b.exr", "--exposure", "-1"],
+            &["a.exr", "b.exr", "--exposure=-1"],
             &["a.exr", "b.exr", "--exposure", "nan"],
         ] {
             assert!(parse(words).is_err(), "{words:?}");
@@ -251,7 +256,7 @@ mod tests {
         let error = result.unwrap_err();
         assert_eq!(error.exit_code(), 1, "{error}");
         assert!(
-            error.to_string().contains("broken.exr: 1 pixels"),
+            error.to_string().contains("broken.exr: 1 pixel of"),
             "{error}"
         );
         let pixel = image::open(&map).unwrap().into_rgb8().get_pixel(1, 1).0;

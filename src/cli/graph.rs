@@ -1,6 +1,7 @@
 //! `gibs graph`: the frame's schedule.
 use super::CommandError;
 use super::output::{print, progress, say, warning};
+use super::run::warn_of_no_light;
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::gi::Gi;
@@ -14,7 +15,7 @@ pub struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// dot, json or text
+    /// dot, json or text; with --why json or text
     #[arg(long, default_value = "text", value_parser = ["dot", "json", "text"])]
     format: String,
     /// Say what the scene and the settings need, and what that adds or saves, as text or json
@@ -49,6 +50,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     for warning in &gi.scene().warnings {
         warning!("{warning}");
     }
+    warn_of_no_light(&settings);
     if args.why {
         let backend = args.measure.map(|_| backends::open(args.backend));
         let backend = backend.transpose()?;

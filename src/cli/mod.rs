@@ -70,7 +70,7 @@ fn tell_kernels_once() {
 
 /// Runs the program: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main() -> ExitCode {
-    // A negative number is a value that is refused with its range, and no option.
+    // A negative number by itself is a value, to be refused with its range, and no option.
     let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
     let parsed = command.try_get_matches();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {

@@ -2,7 +2,7 @@
 use super::CommandError;
 use super::output::warning;
 use super::scene::{Loaded, SceneArgs};
-use crate::compare::{CompareOptions, compare};
+use crate::compare::{CompareOptions, other_view};
 use crate::measure::FrameRow;
 use crate::picture::Picture;
 use crate::reference::{ReferenceOptions, reference};
@@ -126,26 +126,30 @@ pub(super) fn warn_of_few_rays(surfels: u64, rays: u64) {
     }
 }
 
-/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size.
-pub(super) fn warn_of_truth(
-    backend: &dyn Backend,
-    loaded: &Loaded,
-    truth: &Picture,
-    path: &Path,
-) -> Result<(), CommandError> {
+/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size. One that does not fit is left to
+/// who measures, and so is a backend that fails.
+pub(super) fn warn_of_truth(backend: &dyn Backend, loaded: &Loaded, truth: &Picture, path: &Path) {
+    let size = [truth.width, truth.height];
+    let fits = |(of, whole): (&u32, &u32)| *of > 0 && whole.is_multiple_of(*of);
+    if !size.iter().zip(&loaded.size).all(fits) {
+        return;
+    }
     let options = ReferenceOptions {
-        size: [truth.width, truth.height],
+        size,
         samples: 1,
         seed: 0,
         emitters: false,
     };
-    let (ours, _) = reference(backend, &loaded.scene, &loaded.view, &options, |_, _| ())?;
-    // A truth that nothing can be held against is refused by what measures.
-    let report = compare(&ours, truth, &CompareOptions::default()).ok();
-    if let Some(wrong) = report.and_then(|report| report.other_view()) {
-        warning!("{}: {wrong}", path.display());
+    let ours = reference(backend, &loaded.scene, &loaded.view, &options, |_, _| ());
+    let other = ours
+        .ok()
+        .and_then(|(ours, _)| other_view(&ours, truth, &CompareOptions::default()));
+    if let Some([elsewhere, of]) = other {
+        warning!(
+            "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; is it of this scene and view?",
+            path.display()
+        );
     }
-    Ok(())
 }
 
 /// The median of some numbers, 0 of none.

@@ -22,7 +22,6 @@ pub use metrics::{BLOCK, BLOCK_MIN_PIXELS, Metrics, TRUTH_FLOOR};
 pub use noise::noise_floor;
 pub use pair::MaskCounts;
 pub use report::{HEAT_FULL_SCALE, Maps, NonFinite, Report};
-pub use surfaces::{OTHER_DEPTH, OTHER_VIEW};
 
 use metrics::measure;
 use pair::Pair;
@@ -73,6 +72,19 @@ pub fn compare(
 ) -> Result<Report, CompareError> {
     let pair = Pair::new(ours, truth, truth, &options.layer, options.centers)?;
     compare_pair(pair, options)
+}
+
+/// How many pixels of `ours` show another surface than the truth's, of how many that are compared, if that is more than a tenth: then the
+/// two are not of one scene and view. `None` where it is not, or where that cannot be told: without depths, or where the two cannot be
+/// compared at all.
+pub fn other_view(ours: &Picture, truth: &Picture, options: &CompareOptions) -> Option<[usize; 2]> {
+    let pair = Pair::new(ours, truth, truth, &options.layer, options.centers).ok()?;
+    many(pair.elsewhere?, pair.counts.valid)
+}
+
+/// The two numbers, if the first is a large part of the second.
+fn many(elsewhere: usize, of: usize) -> Option<[usize; 2]> {
+    (elsewhere as f64 > surfaces::OTHER_VIEW * of as f64).then_some([elsewhere, of])
 }
 
 fn compare_pair(pair: Pair, options: &CompareOptions) -> Result<Report, CompareError> {

@@ -8,7 +8,6 @@ use crate::picture::{FINAL_IMAGE, Picture, PictureError, heat_map};
 
 use super::metrics::Metrics;
 use super::pair::MaskCounts;
-use super::surfaces::OTHER_VIEW;
 
 /// The relative error at which a heat map reaches its brightest colour: half of the truth.
 pub const HEAT_FULL_SCALE: f32 = 0.5;
@@ -28,8 +27,8 @@ pub struct Report {
     pub centers: bool,
     /// The pixels compared and left out.
     pub mask: MaskCounts,
-    /// How many of the pixels compared show another surface in ours, by [`OTHER_DEPTH`](super::OTHER_DEPTH); `None` where one of
-    /// the two has no depth.
+    /// How many of the pixels compared show another surface in ours, whose depth is more than 5 % off the truth's; `None` where one
+    /// of the two has no depth.
     pub elsewhere: Option<usize>,
     /// m: the truth's mean luminance over the mask, in the layer's units.
     pub mean: f64,
@@ -79,14 +78,9 @@ impl Report {
         self.non_finite.anywhere == 0
     }
 
-    /// What is wrong if more than [`OTHER_VIEW`] of the pixels show another surface.
-    pub fn other_view(&self) -> Option<String> {
-        let (elsewhere, of) = (self.elsewhere?, self.mask.valid);
-        (elsewhere as f64 > OTHER_VIEW * of as f64).then(|| {
-            format!(
-                "{elsewhere} of {of} pixels show another surface; are both of one scene and view?"
-            )
-        })
+    /// As [`other_view`](super::other_view).
+    pub fn other_view(&self) -> Option<[usize; 2]> {
+        super::many(self.elsewhere?, self.mask.valid)
     }
 
     /// The size of the relative error per pixel, black for none to pale yellow for `full_scale`
@@ -128,6 +122,12 @@ impl fmt::Display for Report {
             "channel {layer}, {}x{}: {} of {} pixels compared",
             self.width, self.height, mask.valid, mask.pixels
         )?;
+        if let Some(elsewhere) = self.elsewhere.filter(|count| *count > 0) {
+            writeln!(
+                f,
+                "  {elsewhere} of those compared show another surface in our picture"
+            )?;
+        }
         for (count, reason) in [
             (mask.missed, "hit nothing"),
             (mask.blended, "lie behind a blended surface"),

@@ -4,11 +4,12 @@ use crate::picture::Picture;
 
 /// A pixel shows something else if its depth is this much off, over the truth's: more than what renderers' precision makes of
 /// one surface, and less than what lies between most surfaces.
-pub const OTHER_DEPTH: f32 = 0.05;
+const OTHER_DEPTH: f32 = 0.05;
 
 /// With so large a share of such pixels the pictures are not of one scene and view. Where they are, a pixel on an edge may fall on either
-/// side of it: 0.04 % of Sponza a against another renderer, 2 % where one of four pixels is asked.
-pub const OTHER_VIEW: f64 = 0.1;
+/// side of it: `gibs compare` counts 13 of 36 806 on Sponza a against another renderer, and 768 in a picture of twice the size, where the
+/// pixel that is asked lies half a pixel beside the truth's centre.
+pub(super) const OTHER_VIEW: f64 = 0.1;
 
 /// How many of the pixels that count show another surface in ours than in the truth, by `depth.Z`; in ours those in the
 /// middle of `factor` x `factor` are asked, or next to it. `None` where one of the two has no depth.
@@ -29,7 +30,8 @@ pub(super) fn elsewhere(
         let (x, y) = (i % width * factor + middle, i / width * factor + middle);
         let own = own[y * ours.width as usize + x];
         let off = (own - wanted[i]).abs() - OTHER_DEPTH * wanted[i].abs();
-        off.is_nan() || off > 0.0
+        // Infinity less itself is no number.
+        own != wanted[i] && (off.is_nan() || off > 0.0)
     };
     let counted = (0..counts.len()).filter(|&i| counts[i]);
     Ok(Some(counted.filter(|&i| differs(i)).count()))
@@ -76,6 +78,20 @@ mod tests {
             _ => 100.0,
         });
         let found = elsewhere(&ours, &truth, 3, &[true; 4]);
+        assert_eq!(found.expect("depths"), Some(0));
+        // Of an even number that behind the centre.
+        let ours = picture(4, |x, y| match (x % 2, y % 2) {
+            (1, 1) => (1 + x / 2 + 2 * (y / 2)) as f32,
+            _ => 100.0,
+        });
+        let found = elsewhere(&ours, &truth, 2, &[true; 4]);
+        assert_eq!(found.expect("depths"), Some(0));
+    }
+
+    #[test]
+    fn depths_without_end_are_alike() {
+        let sky = picture(2, |_, _| f32::INFINITY);
+        let found = elsewhere(&sky, &sky, 1, &[true; 4]);
         assert_eq!(found.expect("depths"), Some(0));
     }
 }

@@ -395,6 +395,29 @@ fn the_noise_of_halves_in_closed_form() {
 }
 
 #[test]
+fn pictures_of_other_views_are_told_from_edges() {
+    let truth = with(grey(10, 10, |_, _| 1.0), "depth.Z", |_, _| 1.0);
+    // So many of a hundred pixels are elsewhere.
+    for (count, doubted) in [(10, None), (11, Some([11, 100]))] {
+        let ours = with(grey(10, 10, |_, _| 1.0), "depth.Z", |x, y| {
+            if x + 10 * y < count { 2.0 } else { 1.0 }
+        });
+        let report = run(&ours, &truth);
+        assert_eq!(report.elsewhere, Some(count as usize));
+        assert_eq!(report.other_view(), doubted);
+        let options = CompareOptions::default();
+        assert_eq!(other_view(&ours, &truth, &options), doubted);
+        let text = report.to_string();
+        assert!(
+            text.contains(&format!("{count} of those compared show another surface")),
+            "{text}"
+        );
+    }
+    let unknown = run(&grey(10, 10, |_, _| 1.0), &truth);
+    assert_eq!((unknown.elsewhere, unknown.other_view()), (None, None));
+}
+
+#[test]
 fn reports_read_well() {
     let truth = grey(16, 16, |_, _| 2.0);
     let mut report = run(&grey(16, 16, |_, _| 3.0), &truth);

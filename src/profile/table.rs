@@ -167,13 +167,14 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
     if !comparison.differences.is_empty() {
         let _ = writeln!(
             text,
-            "What is not alike, above, has its part in every ratio and verdict."
+            "What is not alike, above, may be part of every ratio and verdict."
         );
     }
     let _ = writeln!(
         text,
-        "Intervals come from how the medians of {before} runs before and {now} now differ; what changed on the machine between \
-         the two is not in them. One in twenty rows leaves its interval by chance."
+        "Intervals come from how the medians of {} before and {now} now differ; what changed on the machine between \
+         the two is not in them. One in twenty rows leaves its interval by chance.",
+        counted(before, "run")
     );
     text
 }
@@ -198,11 +199,11 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
             });
             let _ = writeln!(
                 text,
-                "{title}: {}, because of {}\n  {verb} {} stages, {} bindings of others, {megabytes:.1} MB{}",
+                "{title}: {}, because of {}\n  {verb} {}, {} of others, {megabytes:.1} MB{}",
                 need.name,
                 need.reason,
-                need.stages.len(),
-                need.bindings.len(),
+                counted(need.stages.len() as u64, "stage"),
+                counted(need.bindings.len() as u64, "binding"),
                 time.unwrap_or_default(),
             );
             if stages {

@@ -144,6 +144,11 @@ fn elements_are_measured_beside_path_tracing() {
         all
     );
     assert!(files.read("bench.html").contains("without sharing"));
+    // Another one's plot is noticed, this run's and files of other names are not.
+    let other = ["atrium-cpu-frames.svg", "mine.svg"];
+    for name in other {
+        files.write(name, "<svg/>");
+    }
 
     // The truth and its picture are kept, and found again: a second run adds nothing and finds the same.
     let kept = || std::fs::read_dir(&cache).unwrap().count();
@@ -156,8 +161,16 @@ fn elements_are_measured_beside_path_tracing() {
         "--json",
         "--cache",
         &cache,
+        "--report",
+        &report,
     ];
-    let again = json(&[&FEW[..], &again].concat());
+    let output = gibs(&[&FEW[..], &again].concat());
+    let message = stderr(&output);
+    assert!(
+        message.contains("has a plot or picture of an earlier run"),
+        "{message}"
+    );
+    let again: Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(again["measured"][0]["truth"], measured["truth"]);
     assert_eq!(kept(), 2);
 }
@@ -249,8 +262,11 @@ fn what_does_not_fit_is_refused() {
     let text = succeed(&[&FEW[..14], &more].concat());
     assert!(text.contains("one of 25 pixels, standard error"), "{text}");
     assert!(text.contains("| after 3 frames | relMSE |"), "{text}");
+    assert!(text.contains("| without depth | "), "{text}");
+    assert!(!text.contains("times the time"), "{text}");
+    assert!(!text.contains("without sharing"), "{text}");
     // The same truth of another scene is taken, and doubted.
-    let other = ["bench", "atrium", "--elements", "all"];
+    let other = ["bench", "atrium", "--elements", "depth,all"];
     let set = ["--backends", "cpu", "--size", "60x40", "--rays", "20000"];
     let few = ["--frames", "1", "--seeds", "1", "--search", "0"];
     let truth_of = ["--truth", truth.as_str()];
@@ -263,8 +279,6 @@ fn what_does_not_fit_is_refused() {
     );
     assert!(text.contains("| after 1 frame | relMSE |"), "{text}");
     assert!(text.contains("| without sharing |"), "{text}");
-    assert!(text.contains("| without depth | "), "{text}");
-    assert!(!text.contains("times the time"), "{text}");
     refused(
         &["bench", "cornell", "atrium", "--truth", &truth],
         &["--truth", "truth.exr", "one scene"],

@@ -57,7 +57,7 @@ fn a_stress_test_reports_when_light_has_converged() {
 }
 
 #[test]
-fn a_truth_of_another_size_is_refused_by_a_stress_test() {
+fn a_stress_test_refuses_truths_of_other_sizes_and_doubts_those_of_other_scenes() {
     let folder = Folder::new("stress-truth");
     let truth = folder.path("truth.exr");
     succeed(&[
@@ -72,10 +72,10 @@ fn a_truth_of_another_size_is_refused_by_a_stress_test() {
         "--out",
         &truth,
     ]);
-    let stress = |size: &'static str| {
+    let stress_of = |scene: &'static str, size: &'static str| {
         vec![
             "stress",
-            "cornell",
+            scene,
             "--backend",
             "cpu",
             "--size",
@@ -86,9 +86,17 @@ fn a_truth_of_another_size_is_refused_by_a_stress_test() {
             &truth,
         ]
     };
+    let stress = |size| stress_of("cornell", size);
     // Three times as large: the centres of the truth's pixels.
-    let text = succeed(&stress("96x96"));
+    let output = gibs(&stress("96x96"));
+    let text = stdout(&output);
     assert!(text.contains("not converged after 2 frames"), "{text}");
+    assert!(!stderr(&output).contains("another surface"));
+    let doubted = stderr(&gibs(&stress_of("atrium", "96x96")));
+    assert!(
+        doubted.contains("truth.exr: ") && doubted.contains("another surface"),
+        "{doubted}"
+    );
     refused(&stress("64x64"), &["truth.exr", "2 times as large"]);
     refused(&stress("40x32"), &["truth.exr", "40x32"]);
 }

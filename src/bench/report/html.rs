@@ -39,7 +39,8 @@ MAPE is the mean relative error; relMSE weighs large errors more, as noise does;
 so that whatever else the machine did fell on all of them; path tracing ran after them.\
 <li><i>Path tracing</i> has a ray to an emitter or the sky at each vertex, <i>brute force</i> has none. <i>Equal rays</i> and <i>equal time</i> give them what \
 the first row had up to that frame. <i>The same error</i> is what they need to be as right as the first row.\
-<li>An equal time that was missed by more than 5 % says so, with the times that it took; samples are whole, so that it may be much where one takes long.\
+<li>Where an equal time was missed, the name of the row says how much of it was taken: samples are whole, so that a slow one may miss by much, and times \
+are noisy.\
 <li>A dot behind a name means that nothing measured has a smaller MAPE in no more time (the Pareto front).</ul></details>";
 
 /// The report as one HTML file that needs nothing else and runs no script.
@@ -105,10 +106,7 @@ fn summary(body: &mut String, all: &[Measured]) {
             let traced = at(Kind::EqualTime).map_or_else(String::new, |after| {
                 let mape = with_interval(after.errors.mape, 100.0, false);
                 match (after.ratio.median - 1.0).abs() > TIME_OFF {
-                    true => format!(
-                        "{mape} %, in {} times it",
-                        rounded(after.ratio.median, 2, false)
-                    ),
+                    true => format!("{mape} % (took {:.2} of it)", after.ratio.median),
                     false => mape + " %",
                 }
             });

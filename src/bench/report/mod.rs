@@ -13,6 +13,7 @@ pub use plots::plots;
 pub use table::{equal_error_table, table};
 
 use super::{EqualError, Pictures, Row};
+use crate::words::counted;
 use serde::Serialize;
 
 /// Everything that a run of the command measured.
@@ -122,17 +123,16 @@ pub fn heading(measured: &Measured) -> String {
     };
     let samples = truth.samples.map(|n| format!(", {n} samples"));
     let error = truth.standard_error.map_or_else(
-        || ", whose noise is not known".into(),
+        || "; its noise is not known".into(),
         |e| format!(", standard error {:.1} % per pixel", e * 100.0),
     );
     format!(
-        "{} on {} ({}): {width}x{height}, {} rays a frame, {} seed{}; truth of {pixels}{}{}",
+        "{} on {} ({}): {width}x{height}, {} rays a frame, {}; truth of {pixels}{}{}",
         measured.scene,
         measured.backend,
         measured.device,
         measured.rays,
-        measured.seeds,
-        if measured.seeds == 1 { "" } else { "s" },
+        counted(measured.seeds, "seed"),
         samples.unwrap_or_default(),
         error,
     )

@@ -46,7 +46,6 @@ fn figure(body: &mut String, measured: &Measured, shot: &Shot) {
         return;
     };
     let heat = png(&shot.heat).unwrap_or_default();
-    let name = escaped(&shot.name);
     let frames = shot.frames;
     let row = measured.rows.iter().find(|row| row.name == shot.name);
     let what = match row {
@@ -54,6 +53,11 @@ fn figure(body: &mut String, measured: &Measured, shot: &Shot) {
         _ => format!("after {}", counted(frames, "frame")),
     };
     let after = row.and_then(|row| row.after.iter().find(|after| after.frames == frames));
+    let name = match row.zip(after) {
+        Some((row, after)) => name(row, after),
+        None => shot.name.clone(),
+    };
+    let name = escaped(&name);
     let seconds = after.map_or_else(String::new, |after| {
         format!(", {} s", rounded(after.seconds.mean, 2, false))
     });

@@ -21,16 +21,12 @@ pub(super) fn asked(rows: &[Row]) -> Vec<u32> {
     asked
 }
 
-/// The name of a row, with how far equal time was missed.
+/// The name of a row, with what it took of a time that it was to equal and did not.
 pub(super) fn name(row: &Row, after: &After) -> String {
     let times = after.ratio.median;
     let missed = row.kind == Kind::EqualTime && (times - 1.0).abs() > TIME_OFF;
     match missed {
-        true => format!(
-            "{}, missed: {} times it",
-            row.name,
-            rounded(times, 2, false)
-        ),
+        true => format!("{} (took {times:.2} of it)", row.name),
         false => row.name.clone(),
     }
 }

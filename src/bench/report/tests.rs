@@ -125,13 +125,20 @@ fn an_equal_time_that_was_missed_says_so() {
         names.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(rows(&measured)[5], "| path tracing, equal time");
-    for row in &mut measured.rows {
-        for after in &mut row.after {
-            after.ratio.median = 1.46;
+    let mut took = |ratio: f64| {
+        for after in measured.rows.iter_mut().flat_map(|row| &mut row.after) {
+            after.ratio.median = ratio;
         }
-    }
-    let names = rows(&measured);
-    assert_eq!(names[5], "| path tracing, equal time, missed: 1.5 times it");
+        rows(&measured)
+    };
+    assert_eq!(took(1.049)[5], "| path tracing, equal time");
+    assert_eq!(took(0.951)[5], "| path tracing, equal time");
+    assert_eq!(
+        took(0.94)[5],
+        "| path tracing, equal time (took 0.94 of it)"
+    );
+    let names = took(1.46);
+    assert_eq!(names[5], "| path tracing, equal time (took 1.46 of it)");
     // Other times are not meant to be equal.
     assert_eq!(names[2..5], rows(&self::measured())[2..5]);
 }

@@ -2,10 +2,8 @@
 use crate::bench::{self, BenchReport, Measured};
 use crate::cli::CommandError;
 use crate::picture::replace_file;
-use std::ffi::OsStr;
-use std::fs::DirEntry;
-use std::path::Path;
-use std::time::SystemTime;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// The page with all of it.
 pub const PAGE: &str = "bench.html";
@@ -26,26 +24,36 @@ pub fn write(folder: &Path, report: &BenchReport, json: &str) -> Result<(), Comm
     Ok(())
 }
 
-/// Writes the plots of one scene on one backend.
-pub fn write_plots(folder: &Path, stem: &str, measured: &Measured) -> Result<(), CommandError> {
+/// Writes the plots of one scene on one backend, and says where.
+pub fn write_plots(
+    folder: &Path,
+    stem: &str,
+    measured: &Measured,
+) -> Result<Vec<PathBuf>, CommandError> {
+    let mut written = Vec::new();
     for (name, svg) in bench::plots(measured) {
-        replace_file(&folder.join(format!("{stem}-{name}.svg")), svg.as_bytes())?;
+        let path = folder.join(format!("{stem}-{name}.svg"));
+        replace_file(&path, svg.as_bytes())?;
+        written.push(path);
     }
-    Ok(())
+    Ok(written)
 }
 
-/// How many plots and pictures of a folder are older than this: an earlier run's of other scenes or backends, say, which nothing
-/// of this run's page shows.
-pub fn left_of_before(folder: &Path, start: SystemTime) -> usize {
-    let is_older = |entry: &DirEntry| {
-        let path = entry.path();
-        let written = ["svg", "exr"].map(OsStr::new);
-        let is_ours = path.extension().is_some_and(|e| written.contains(&e));
-        let modified = entry.metadata().and_then(|data| data.modified());
-        is_ours && modified.is_ok_and(|modified| modified < start)
+/// Plots and pictures in a folder that have the names of a report's, `SCENE-BACKEND-...`, and are not among those written: an earlier run's,
+/// of other scenes or backends say, which this one's page does not show.
+pub fn left_of_before(folder: &Path, written: &BTreeSet<PathBuf>) -> usize {
+    let is_reports = |path: &PathBuf| {
+        let kind = path.extension().is_some_and(|e| e == "svg" || e == "exr");
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        kind && ["cpu", "wgpu", "vulkan"]
+            .iter()
+            .any(|backend| name.contains(&format!("-{backend}-")))
     };
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.filter(is_older).count()
+    let paths = entries.map(|entry| entry.path());
+    paths
+        .filter(|path| is_reports(path) && !written.contains(path))
+        .count()
 }
 
 /// How names of files begin: the scene's name, with a number where an earlier scene has the same, and the backend.

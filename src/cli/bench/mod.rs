@@ -10,12 +10,10 @@ use crate::bench::{
     self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
     Pictures, Target, Truth, TruthCache,
 };
-use crate::words::counted;
 use backends::{Chosen, Opened};
 use gibs_graph::Backend;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::time::SystemTime;
 
 /// Measure speed against error: what each element of the technique gains and costs, beside path tracing
 ///
@@ -90,7 +88,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let settings = args.settings.load()?;
     settings.check()?;
     warn_of_no_light(&settings);
-    let all = args.elements.is_empty() || args.elements == ["all"];
+    let all = args.elements.is_empty() || args.elements.iter().any(|name| name == "all");
     let elements = match all {
         true => Configuration::elements(),
         false => {
@@ -150,15 +148,18 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         cache: cache.as_ref(),
         rays: settings.rays,
     };
-    let start = SystemTime::now();
-    let done = all.measure(&mut report);
-    if let Some(folder) = &args.report {
-        match files::left_of_before(folder, start) {
+    let mut written = BTreeSet::new();
+    let done = all.measure(&mut report, &mut written);
+    if let Some(folder) = args.report.as_ref().filter(|_| !written.is_empty()) {
+        match files::left_of_before(folder, &written) {
             0 => {}
             count => warning!(
-                "{}: {} (plots or pictures) that this run did not write",
+                "{} has {} of an earlier run; delete what you do not want, or take another folder",
                 folder.display(),
-                counted(count as u64, "older file")
+                match count {
+                    1 => "a plot or picture".to_owned(),
+                    _ => format!("{count} plots and pictures"),
+                }
             ),
         }
     }
@@ -187,17 +188,21 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Measures every scene on every backend, those after one that cannot be measured too. The files are written anew after
-    /// each, with all that is there by then.
+    /// each, with all that is there by then; `written` hears of plots and pictures.
     ///
     /// # Errors
     /// That of the first scene that could not be measured.
-    fn measure(&self, report: &mut BenchReport) -> Result<(), CommandError> {
+    fn measure(
+        &self,
+        report: &mut BenchReport,
+        written: &mut BTreeSet<PathBuf>,
+    ) -> Result<(), CommandError> {
         let Some(first) = self.backends.first() else {
             return Ok(());
         };
         let mut done = Ok(());
         for (index, scene) in self.args.scenes.iter().enumerate() {
-            let Err(error) = self.scene(index, first.as_ref(), report) else {
+            let Err(error) = self.scene(index, first.as_ref(), report, written) else {
                 continue;
             };
             report.failed.push(Failed {
@@ -222,6 +227,7 @@ impl Work<'_> {
         index: usize,
         first: &dyn Backend,
         report: &mut BenchReport,
+        written: &mut BTreeSet<PathBuf>,
     ) -> Result<(), CommandError> {
         let Self {
             args,
@@ -244,7 +250,7 @@ impl Work<'_> {
         };
         truth.check(name)?;
         if let Some(path) = &args.truth {
-            warn_of_truth(first, loaded, truth.picture(), path)?;
+            warn_of_truth(first, loaded, truth.picture(), path);
         }
         let look = match args.report {
             Some(_) => Some(look(&truth, &of_first, args.spp, cache)?),
@@ -262,9 +268,9 @@ impl Work<'_> {
             }
             if let Some(folder) = &args.report {
                 let stem = files::stem(&args.scenes, index, backend.name());
-                files::write_plots(folder, &stem, &measured)?;
+                written.extend(files::write_plots(folder, &stem, &measured)?);
                 if args.pictures {
-                    measured.pictures.write(folder, &stem)?;
+                    written.extend(measured.pictures.write(folder, &stem)?);
                 }
             }
             report.measured.push(measured);
@@ -304,6 +310,9 @@ fn measure(
     let done = bench::measure(target, truth, options, || bar.inc(1));
     bar.finish_and_clear();
     let done = done?;
+    for warning in &done.warnings {
+        warning!("{scene}: {warning}");
+    }
     let backend: &dyn Backend = target.backend;
     let device = backend.device();
     Ok(Measured {

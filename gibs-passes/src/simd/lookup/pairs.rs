@@ -215,6 +215,7 @@ pub fn collect(
     for (at, list) in lists.iter().enumerate().skip(first) {
         let here = _mm256_set1_epi32(at as i32);
         let place = _mm256_set1_epi32(list.place as i32);
+        debug_assert_eq!(list.bounds.len(), list.ids.len());
         let (bounds, last_bounds) = list.bounds[start..].as_chunks::<8>();
         let (ids, last_ids) = list.ids[start..].as_chunks::<8>();
         for (bounds, ids) in bounds.iter().zip(ids) {

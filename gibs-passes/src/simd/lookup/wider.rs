@@ -7,7 +7,8 @@ use super::candidates::Candidates;
 use crate::shared::bounds::{FAR, MARGIN, RADIUS_AT};
 use crate::shared::lists::List;
 
-/// Same as [`pairs::collect`](super::pairs::collect).
+/// Same as [`pairs::collect`](super::pairs::collect), which must not go on from where this one stopped: that may lie behind the end of
+/// the list.
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512vnni,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub fn collect(
     near: &mut Candidates,
