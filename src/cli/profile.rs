@@ -8,7 +8,7 @@ use crate::gi::Gi;
 use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
     Comparison, Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace,
-    compare, comparison_table, measure, saving_table, savings, table,
+    compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
 };
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
@@ -205,7 +205,7 @@ fn told(needs: &[Saving], why: bool) -> String {
         .map(|saving| &saving.need)
         .filter(|need| !need.present);
     let told: Vec<String> = left_out
-        .map(|need| format!("{} ({:.1} MB)", need.name, need.bytes as f64 / 1e6))
+        .map(|need| format!("{} ({})", need.name, signed_bytes(need.bytes)))
         .collect();
     format!("left out: {}; --why measures the time\n", told.join(", "))
 }

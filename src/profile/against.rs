@@ -20,15 +20,18 @@ pub struct Comparison {
 pub struct Change {
     /// What, as `group/stage`.
     pub name: String,
-    /// Median of before, milliseconds; `None` where it was not there or not timed.
+    /// Geometric mean of the runs' medians of before, milliseconds; `None` where it was not there or not timed.
     pub before_ms: Option<f64>,
-    /// Median of now, milliseconds; `None` where it is not there or not timed.
+    /// That of now, milliseconds; `None` where it is not there or not timed.
     pub now_ms: Option<f64>,
     /// Now over before, where both are there.
     pub ratio: Option<Interval>,
     /// What that says.
     pub verdict: Verdict,
 }
+
+/// Milliseconds below which times are not judged: of such, reading the clock is a part, and a ratio says nothing of a frame.
+const NOTHING: f64 = 0.01;
 
 /// What a change says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -127,19 +130,24 @@ impl Change {
             }
             _ => None,
         };
+        let short = |figure: &Option<Option<Figure>>| {
+            let figure = figure.as_ref().and_then(Option::as_ref);
+            figure.is_none_or(|figure| figure.median < NOTHING)
+        };
         let verdict = match (&now, &before, ratio.and_then(|ratio| ratio.bounds)) {
             (None, ..) => Verdict::Gone,
             (_, None, _) => Verdict::New,
+            _ if short(&now) && short(&before) => Verdict::Noise,
             (.., None) => Verdict::Unknown,
             (.., Some([_, high])) if high < 1.0 => Verdict::Faster,
             (.., Some([low, _])) if low > 1.0 => Verdict::Slower,
             _ => Verdict::Noise,
         };
-        let median = |figure: Option<Option<Figure>>| figure.flatten().map(|f| f.median);
+        let mean = |figure: Option<Option<Figure>>| figure.flatten().map(|f| f.mean_of_runs());
         Self {
             name: name.into(),
-            before_ms: median(before),
-            now_ms: median(now),
+            before_ms: mean(before),
+            now_ms: mean(now),
             ratio,
             verdict,
         }

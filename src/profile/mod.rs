@@ -17,6 +17,7 @@ pub use error::ProfileError;
 pub use measure::{Options, Progress, measure};
 pub use savings::{Saving, savings};
 pub use statistics::{Figure, Interval};
+pub(crate) use table::signed_bytes;
 pub use table::{comparison_table, saving_table, table};
 pub use trace::{TimedFrame, chrome_trace};
 

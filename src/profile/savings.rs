@@ -13,8 +13,11 @@ pub struct Saving {
     /// The need, and what it adds or would add.
     #[serde(flatten)]
     pub need: Need,
-    /// What it would add to a frame; `None` where that was not measured, or the backend does not have what it takes.
+    /// What it would add to a frame; `None` where that was not measured.
     pub time: Option<SavedTime>,
+    /// Why not, where measuring was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_measured: Option<&'static str>,
 }
 
 /// What a need adds to a frame.
@@ -43,7 +46,11 @@ pub fn savings(
     let needs = gi.needs()?;
     let mut all: Vec<Saving> = needs
         .into_iter()
-        .map(|need| Saving { need, time: None })
+        .map(|need| Saving {
+            need,
+            time: None,
+            not_measured: None,
+        })
         .collect();
     let Some((backend, frames)) = measure else {
         return Ok(all);
@@ -54,8 +61,8 @@ pub fn savings(
         if saving.need.present {
             continue;
         }
-        // The CPU backend takes a frame with ray queries, and traces in software.
-        if variant.name == "ray queries" && !backend.device().ray_query {
+        saving.not_measured = unfaithful(backend, gi, variant.name);
+        if saving.not_measured.is_some() {
             done += frames * 2;
             progress(done, left_out * frames * 2);
             continue;
@@ -65,6 +72,7 @@ pub fn savings(
             Err(RenderError::Backend(
                 BackendError::Refused { .. } | BackendError::Limit { .. },
             )) => {
+                saving.not_measured = Some("the device does not have what it takes");
                 done += frames * 2;
                 progress(done, left_out * frames * 2);
                 continue;
@@ -100,4 +108,17 @@ pub fn savings(
         });
     }
     Ok(all)
+}
+
+/// Why the frame with a need would not tell what the need costs.
+fn unfaithful(backend: &dyn Backend, gi: &Gi, need: &str) -> Option<&'static str> {
+    match need {
+        // The CPU backend takes a frame with ray queries, and traces in software.
+        "ray queries" if !backend.device().ray_query => Some("the device has no ray queries"),
+        // A third of the rays would go to an emitter without power, and end where they begin.
+        "emitter sampling" if gi.scene().emitters.power <= 0.0 => {
+            Some("without emitters its rays are not traced, so that the frame gets shorter by it")
+        }
+        _ => None,
+    }
 }

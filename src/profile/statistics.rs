@@ -35,6 +35,16 @@ impl Figure {
 }
 
 impl Figure {
+    /// The geometric mean of the medians of runs that have any; 0 where none has.
+    pub(super) fn mean_of_runs(&self) -> f64 {
+        let above = self.of_runs.iter().filter(|ms| **ms > 0.0);
+        let logs: Vec<f64> = above.map(|ms| ms.ln()).collect();
+        match logs.is_empty() {
+            true => 0.0,
+            false => moments(&logs).0.exp(),
+        }
+    }
+
     /// What is wrong with it where its median is none of frames of runs with such medians, all with as many frames: it lies
     /// between those, but for rounding, and below the 95th percentile.
     pub(super) fn outside_its_runs(&self) -> Option<String> {
@@ -64,6 +74,9 @@ pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     below + (above - below) * rank.fract()
 }
 
+/// Runs without which there is no interval: of two, Student's t of one degree of freedom makes one of any width.
+const LEAST_RUNS: usize = 3;
+
 impl Interval {
     /// The ratio of paired values, by the Student interval of the mean of their logarithms.
     pub fn of_pairs(pairs: impl Iterator<Item = (f64, f64)>) -> Self {
@@ -85,7 +98,7 @@ impl Interval {
         };
         let (new, old) = (logs(new), logs(old));
         let ((a, va), (b, vb)) = (moments(&new), moments(&old));
-        if new.len() < 2 || old.len() < 2 {
+        if new.len() < LEAST_RUNS || old.len() < LEAST_RUNS {
             return Self::around(a - b, 0.0, 0);
         }
         let (na, nb) = (new.len() as f64, old.len() as f64);

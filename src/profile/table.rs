@@ -189,7 +189,7 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
         {
             let need = &saving.need;
             let verb = if present { "adds" } else { "saves" };
-            let megabytes = need.bytes as f64 / 1e6;
+            let memory = signed_bytes(need.bytes);
             let time = saving.time.map(|time| {
                 let (ms, ratio) = (time.ms, percent(&time.ratio));
                 format!(
@@ -199,12 +199,15 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
             });
             let _ = writeln!(
                 text,
-                "{title}: {}, because of {}\n  {verb} {}, {} of others, {megabytes:.1} MB{}",
+                "{title}: {}, because of {}\n  {verb} {}, {} of others, {memory}{}",
                 need.name,
                 need.reason,
                 counted(need.stages.len() as u64, "stage"),
                 counted(need.bindings.len() as u64, "binding"),
-                time.unwrap_or_default(),
+                time.or(saving
+                    .not_measured
+                    .map(|why| format!("; time not measured: {why}")))
+                    .unwrap_or_default(),
             );
             if stages {
                 for stage in &need.stages {
@@ -250,6 +253,12 @@ fn count(value: u64) -> String {
 /// Bytes with three digits.
 fn bytes(value: u64) -> String {
     scaled(value as f64, [" B", " kB", " MB", " GB"])
+}
+
+/// The same of what may be less than none.
+pub(crate) fn signed_bytes(value: i64) -> String {
+    let sign = if value < 0 { "-" } else { "" };
+    format!("{sign}{}", bytes(value.unsigned_abs()))
 }
 
 fn scaled(mut value: f64, units: [&str; 4]) -> String {

@@ -198,8 +198,21 @@ fn what_is_slower_than_the_noise_is_told() {
     old.scene = "\u{1b}[2J".into();
     let text = comparison_table(&compare(&new, &old), [3, 3]);
     assert!(text.contains("scene: \\u{1b}[2J before"), "{text}");
-    let single = compare(&profile(&[1.0], &[]), &profile(&[9.0], &[]));
-    assert_eq!(single.frame.verdict, Verdict::Unknown);
+    for few in [&[1.0][..], &[1.0, 1.01]] {
+        let change = compare(&profile(few, &[]), &profile(&[9.0; 3], &[])).frame;
+        assert_eq!(change.verdict, Verdict::Unknown);
+    }
+    let change = compare(&profile(&[1.0, 4.0], &[]), &profile(&[8.0; 3], &[])).frame;
+    let ratio = change.ratio.unwrap().ratio;
+    assert_eq!(change.before_ms.unwrap() as f32, 8.0);
+    assert_eq!((change.now_ms.unwrap() as f32, ratio as f32), (2.0, 0.25));
+    // Times that are next to nothing are not judged, unless they were more.
+    let tiny = |ms: f64| profile(&[1.0; 3], &[("tiny", &[ms, ms * 1.001, ms * 0.999])]);
+    for (before, verdict) in [(0.001, Verdict::Noise), (0.02, Verdict::Faster)] {
+        let all = compare(&tiny(0.009), &tiny(before)).stages;
+        let change = all.iter().find(|change| change.name == "apply/tiny");
+        assert_eq!(change.unwrap().verdict, verdict);
+    }
 }
 
 #[test]

@@ -42,6 +42,12 @@ fn why_says_what_the_scene_needs() {
     assert_eq!(lights["present"], false);
     assert_eq!(lights.get("time"), Some(&serde_json::Value::Null));
     assert!(!lights["stages"].as_array().unwrap().is_empty());
+    // Rays to emitters that are not there would not be traced.
+    let small = ["--size", "32x24", "--measure", "1", "--backend", "cpu"];
+    let why = succeed(&[&["graph", "atrium", "--why"], &small[..]].concat());
+    let emitters = why.split("emitter sampling").nth(1).unwrap_or_default();
+    let line = emitters.lines().nth(1).unwrap_or_default();
+    assert!(line.contains("time not measured: "), "{why}");
     refused(
         &["graph", "cornell", "--why", "--format", "dot"],
         &["--format", "dot", "--why"],

@@ -29,6 +29,10 @@ fn profiles_are_printed_compared_and_traced() {
     let needs = profiles[0]["needs"].as_array().unwrap();
     let guiding = needs.iter().find(|need| need["name"] == "ray guiding");
     assert!(guiding.unwrap()["time"]["ms"].is_f64(), "{guiding:?}");
+    // The processor has no ray queries; to time the frame without them would say nothing.
+    let queries = needs.iter().find(|need| need["name"] == "ray queries");
+    assert_eq!(queries.unwrap()["time"], Value::Null);
+    assert!(queries.unwrap()["not_measured"].is_string(), "{queries:?}");
 
     let (old, trace) = (
         folder.write("old.json", &printed),
