@@ -45,6 +45,7 @@ mod channels;
 pub mod check;
 pub mod cli;
 pub mod compare;
+mod conditions;
 mod counters;
 pub mod debug;
 pub mod gi;

@@ -25,6 +25,8 @@ pub(super) struct Traced {
     pub seconds: f64,
     /// Seconds over those of the surfels.
     ratio: f64,
+    /// Rays over those of the surfels.
+    rays_ratio: f64,
     pub shot: Option<Shot>,
 }
 
@@ -54,8 +56,8 @@ pub(super) const BASELINES: [Baseline; 2] = [
 /// Samples per pixel of the run that tells how long paths are and how long they take.
 const PILOT: u32 = 8;
 
-/// A time that is this much off, over the sought one, is tried once more, and named where that did not help.
-pub(super) const TIME_OFF: f64 = 0.05;
+/// A time that is this much off, over the sought one, is tried once more; a time or rays that stay so are named.
+pub(super) const OFF: f64 = 0.05;
 
 /// Traces paths of one baseline with one seed.
 pub(super) struct Tracer<'a> {
@@ -65,6 +67,8 @@ pub(super) struct Tracer<'a> {
     rays: f64,
     /// Seconds of a sample of every pixel.
     seconds: f64,
+    /// What the pilot run saw.
+    pilot: Picture,
 }
 
 /// A picture and what it took.
@@ -85,12 +89,24 @@ impl<'a> Tracer<'a> {
             baseline,
             rays: 0.0,
             seconds: 0.0,
+            pilot: Picture::default(),
         };
         tracer.sample(job.size, 1)?;
         let pilot = tracer.sample(job.size, PILOT)?;
         tracer.rays = (pilot.rays / f64::from(PILOT)).max(1.0);
         tracer.seconds = (pilot.seconds / f64::from(PILOT)).max(1e-9);
+        tracer.pilot = pilot.picture;
         Ok(tracer)
+    }
+
+    /// Whether it traces the very paths of another one: where nothing emits that a ray could be sent to, the baselines are
+    /// one.
+    pub fn is(&self, other: &Self) -> bool {
+        let light = |tracer: &Self| tracer.pilot.rgb("E").map(|rgb| rgb.map(<[f32]>::to_vec));
+        match (light(self), light(other)) {
+            (Ok(own), Ok(other)) => own == other,
+            _ => false,
+        }
     }
 
     /// Renders so many samples per pixel.
@@ -144,7 +160,7 @@ impl<'a> Tracer<'a> {
                 // Few samples take longer each than many: a picture is done when its longest path is.
                 let better = (f64::from(samples) * budget.seconds / done.seconds).round() as u32;
                 let off = (done.seconds / budget.seconds - 1.0).abs();
-                if off > TIME_OFF && better.max(1) != samples.max(1) {
+                if off > OFF && better.max(1) != samples.max(1) {
                     let again = self.sample(self.job.size, better.max(1))?;
                     if (again.seconds / budget.seconds - 1.0).abs() < off {
                         done = again;
@@ -159,6 +175,7 @@ impl<'a> Tracer<'a> {
                 rays: done.rays,
                 seconds: done.seconds,
                 ratio: done.seconds / budget.seconds,
+                rays_ratio: done.rays / budget.rays.max(1.0),
                 shot: self
                     .job
                     .shot(&name(self.baseline, kind), at, &done.picture, &report),
@@ -204,6 +221,10 @@ pub(super) fn row(
             milliseconds: Spread::of(all().map(|t| t.seconds)).median * per_frame * 1e3,
             seconds: Mean::of(all().map(|t| t.seconds)),
             ratio: Spread::of(all().map(|t| t.ratio)),
+            taken: Some(match kind {
+                Kind::EqualTime => Spread::of(all().map(|t| t.ratio)).median,
+                _ => Spread::of(all().map(|t| t.rays_ratio)).median,
+            }),
             pareto: false,
         })
     });

@@ -18,6 +18,8 @@ pub struct EqualError {
     /// Whether path tracing got there with every seed. Where not, the figures below are those of the most that was tried, and
     /// what is needed is more.
     pub reached: bool,
+    /// Whether one sample per pixel was better than sought with some seed: then the figures below are more than what is needed.
+    pub fewer: bool,
     /// Samples per pixel.
     pub samples: Mean,
     /// Rays.
@@ -60,6 +62,8 @@ pub(super) struct Need {
     pub samples: f64,
     /// Whether they suffice.
     pub reached: bool,
+    /// Whether the fewest that there are more than suffice.
+    pub fewer: bool,
 }
 
 /// Rendered samples, ascending, and what came of them.
@@ -191,18 +195,22 @@ pub(super) fn search<E>(
         [Some(above), Some(below)] => Need {
             samples: between(above, below, goal),
             reached: true,
+            fewer: false,
         },
-        [None, Some((samples, _))] => Need {
+        [None, Some((samples, error))] => Need {
             samples: f64::from(samples),
             reached: true,
+            fewer: samples <= 1 && (error / goal).ln() < -CLOSE,
         },
         [Some((samples, _)), None] => Need {
             samples: f64::from(samples),
             reached: false,
+            fewer: false,
         },
         [None, None] => Need {
             samples: 0.0,
             reached: false,
+            fewer: false,
         },
     })
 }
@@ -233,6 +241,7 @@ pub(super) fn over_seeds(baseline: &str, all: &[Vec<Needed>]) -> Vec<EqualError>
             metric: one.metric,
             error: mean(|n| n.error),
             reached: each().all(|n| n.need.reached),
+            fewer: each().any(|n| n.need.fewer),
             samples: mean(|n| n.need.samples),
             rays: mean(|n| n.rays),
             seconds: mean(|n| n.seconds),

@@ -29,7 +29,7 @@ pub use row::{After, Errors, Kind, Row};
 pub use statistics::{Mean, Spread};
 pub use truth::{Look, TRUTH_STEPS, Target, Truth};
 
-use baseline::{BASELINES, Budget, TIME_OFF, Traced, Tracer};
+use baseline::{BASELINES, Budget, OFF, Traced, Tracer};
 use equal::{Needed, needed, over_seeds};
 use frames::{Run, run};
 
@@ -61,6 +61,8 @@ pub struct Measurement {
     pub shots: Vec<Shot>,
     /// What the scene has that no device gets.
     pub warnings: Vec<String>,
+    /// Baselines that were not measured, since in this scene they are the first one.
+    pub same: Vec<String>,
 }
 
 /// The frames after which errors are measured, and whether they were asked for: those, and powers of two up to the largest.
@@ -111,9 +113,18 @@ pub fn measure(
         let mut of_seed = run(&job, &options.configurations, &mut progress, &mut warnings)?;
         if let Some(first) = of_seed.first_mut() {
             shots.append(&mut first.shots);
+            let mut tracers: Vec<Tracer<'_>> = Vec::new();
             for (baseline, traces) in BASELINES.iter().zip(&mut baselines) {
+                if traces.same_as_first {
+                    continue;
+                }
                 let tracer = Tracer::new(&job, baseline)?;
-                shots.extend(traces.add(&tracer, first, options.search)?);
+                let earlier = tracers.first().filter(|_| seed == 0);
+                traces.same_as_first = earlier.is_some_and(|first| tracer.is(first));
+                if !traces.same_as_first {
+                    shots.extend(traces.add(&tracer, first, options.search)?);
+                    tracers.push(tracer);
+                }
             }
         }
         for (all, run) in runs.iter_mut().zip(of_seed) {
@@ -133,11 +144,15 @@ pub fn measure(
         equal_error.extend(over_seeds(baseline.name, &traces.needed));
     }
     pareto::mark(&mut rows);
+    let same = BASELINES.iter().zip(&baselines);
+    let same = same.filter(|(_, traces)| traces.same_as_first);
+    let same = same.map(|(baseline, _)| baseline.name.to_owned()).collect();
     Ok(Measurement {
         rows,
         equal_error,
         shots,
         warnings,
+        same,
     })
 }
 
@@ -147,6 +162,8 @@ struct Traces {
     equal_rays: Vec<Vec<Traced>>,
     equal_time: Vec<Vec<Traced>>,
     needed: Vec<Vec<Needed>>,
+    /// Nothing was traced: it would be what the first baseline traces.
+    same_as_first: bool,
 }
 
 impl Traces {
@@ -209,6 +226,7 @@ fn surfel_rows(options: &Options, checkpoints: &[(u32, bool)], runs: &[Vec<Run>]
                 milliseconds: Spread::of(own.iter().flat_map(|run| run.times(frames))).median * 1e3,
                 seconds: Mean::of(own.iter().map(|run| run.seconds(frames))),
                 ratio: Spread::of(pairs().flat_map(|(run, first)| run.ratios(first, frames))),
+                taken: None,
                 pareto: false,
             }
         });

@@ -1,5 +1,5 @@
 //! Pictures of what was measured.
-use super::Look;
+use super::{Look, Truth};
 use crate::picture::{Picture, PictureError};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
@@ -22,20 +22,28 @@ pub struct Shot {
 /// Pictures of one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Pictures {
-    /// The truth, whole.
-    pub truth: Option<Look>,
+    /// The truth, whole, to look at.
+    pub look: Option<Look>,
     /// The first configuration and path tracing in its time.
     pub shots: Vec<Shot>,
 }
 
 impl Pictures {
-    /// Writes all as OpenEXR, with names that begin with `stem`, and returns these.
+    /// Writes all as OpenEXR, with names that begin with `stem`, and returns these: the truth that errors are against as
+    /// `STEM-truth.exr`, and the one to look at as `STEM-truth-whole.exr`, where that is another one.
     ///
     /// # Errors
     /// [`PictureError`].
-    pub fn write(&self, folder: &Path, stem: &str) -> Result<Vec<PathBuf>, PictureError> {
-        let truth = self.truth.iter();
-        let truth = truth.map(|look| (format!("{stem}-truth.exr"), &look.picture));
+    pub fn write(
+        &self,
+        folder: &Path,
+        stem: &str,
+        truth: &Truth,
+    ) -> Result<Vec<PathBuf>, PictureError> {
+        let look = self.look.iter().map(|look| &look.picture);
+        let look = look.filter(|whole| *whole != truth.picture());
+        let look = look.map(|whole| (format!("{stem}-truth-whole.exr"), whole));
+        let truth = [(format!("{stem}-truth.exr"), truth.picture())];
         let shots = self.shots.iter().map(|shot| {
             let name = shot.name.to_lowercase();
             let plain: Vec<&str> = name
@@ -46,7 +54,7 @@ impl Pictures {
             (file, &shot.picture)
         });
         let mut files = Vec::new();
-        for (name, picture) in truth.chain(shots) {
+        for (name, picture) in truth.into_iter().chain(look).chain(shots) {
             let path = folder.join(name);
             picture.write_exr(&path)?;
             files.push(path);

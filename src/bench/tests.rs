@@ -125,8 +125,11 @@ fn the_samples_for_an_error_are_found_and_rendered_nearby() {
         assert!(rendered.iter().any(near), "{rendered:?} for {samples}");
         assert!(rendered.len() <= 10, "{rendered:?}");
     }
-    // One sample is enough.
-    assert_eq!(searched(root, 3.0, 1.0).0.samples, 1.0);
+    // One sample is enough, and where it is better than sought by more than the search minds, fewer would be.
+    for (goal, fewer) in [(3.0, true), (2.0, false)] {
+        let (need, _) = searched(root, goal, 1.0);
+        assert_eq!((need.samples, need.fewer), (1.0, fewer), "{need:?}");
+    }
 }
 
 #[test]
@@ -155,6 +158,7 @@ fn the_front_is_what_nothing_is_better_than() {
         milliseconds: 1.0,
         seconds: Mean::of([seconds].into_iter()),
         ratio: Spread::of([1.0].into_iter()),
+        taken: None,
         pareto: false,
     };
     let row = |after: Vec<After>| Row {

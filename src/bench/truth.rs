@@ -1,7 +1,7 @@
 //! What pictures are held against.
 use super::{BenchError, TruthCache};
 use crate::RenderError;
-use crate::compare::{CompareOptions, Report, compare};
+use crate::compare::{CompareOptions, MaskCounts, Report, compare};
 use crate::picture::{FINAL_IMAGE, Picture, luminance};
 use crate::reference::{ReferenceOptions, reference};
 use crate::view::View;
@@ -164,17 +164,17 @@ impl Truth {
         })
     }
 
-    /// Refuses one that nothing can be held against, such as a black one, before anything is.
+    /// Refuses one that nothing can be held against, such as a black one, before anything is; counts the pixels of any other.
     ///
     /// # Errors
     /// [`BenchError::Truth`], with the name of the scene.
-    pub fn check(&self, scene: &str) -> Result<(), BenchError> {
+    pub fn check(&self, scene: &str) -> Result<MaskCounts, BenchError> {
         let itself = compare(&self.picture, &self.picture, &CompareOptions::default());
         let wrong = |source| BenchError::Truth {
             scene: scene.into(),
             source,
         };
-        itself.map(drop).map_err(wrong)
+        itself.map(|report| report.mask).map_err(wrong)
     }
 
     /// The picture itself.

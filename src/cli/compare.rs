@@ -4,7 +4,10 @@ use crate::words::counted;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::compare::{CompareError, CompareOptions, HEAT_FULL_SCALE, Report, compare, noise_floor};
+use crate::compare::{
+    CompareError, CompareOptions, HEAT_FULL_SCALE, HalvesDoubt, Report, compare, halves_doubt,
+    noise_floor,
+};
 use crate::picture::{FINAL_IMAGE, Format, Picture, PictureError, ensure_writable, write_png};
 
 /// Compare a picture with the truth, over the truth's mask
@@ -112,6 +115,7 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             truth: args.truth.clone(),
             source,
         })?;
+    let mut doubted = None;
     if let Some([half_a, half_b]) = args.halves.as_deref() {
         let (a, b) = read_both(half_a, half_b)?;
         let options = CompareOptions {
@@ -119,11 +123,13 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             ..options
         };
         let noise = noise_floor(&a, &b, &truth, &options);
-        report.noise = Some(noise.map_err(|source| CompareCommandError::Halves {
+        let noise = noise.map_err(|source| CompareCommandError::Halves {
             half_a: half_a.clone(),
             half_b: half_b.clone(),
             source,
-        })?);
+        })?;
+        doubted = halves_doubt(&a, &b, &truth, &noise, &options);
+        report.noise = Some(noise);
     }
     if let Some(out) = &args.out {
         write_map(&report, out)?;
@@ -135,6 +141,16 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             args.ours.display(),
             args.truth.display()
         );
+    }
+    match doubted {
+        Some(HalvesDoubt::Alike) => {
+            warning!("--halves: both halves are the same, and tell nothing of the truth's noise");
+        }
+        Some(HalvesDoubt::OfAnother { rel_mse }) => warning!(
+            "--halves: their mean is another picture than {} (relMSE {rel_mse:.2e}); are they halves of it?",
+            args.truth.display()
+        ),
+        None => {}
     }
     if report.passed() {
         Ok(())

@@ -2,6 +2,7 @@
 mod bench;
 mod bisect;
 mod check;
+mod chosen;
 pub mod compare;
 mod devices;
 mod error;

@@ -1,20 +1,19 @@
 //! `gibs profile`: time, work and memory of every stage.
 use super::CommandError;
+use super::chosen::{self, Chosen, Opened};
 use super::output::{say, warning};
 use super::run::{title, warn_of_no_light};
 use super::scene::{Loaded, SceneArgs, SettingsArgs};
-use crate::backends::{self, Choice};
 use crate::gi::Gi;
 use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
-    Comparison, Options, Profile, ProfileError, Progress, Saving, TimedFrame, chrome_trace,
+    Comparison, Options, Profile, ProfileError, Progress, Saving, TimedFrame, beside, chrome_trace,
     compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
 };
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -28,14 +27,14 @@ pub struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// auto, cpu, wgpu or vulkan; several are measured one after the other
+    /// auto, cpu, wgpu, vulkan, or all that this machine has; several are measured one after the other, and compared
     #[arg(
         long,
         value_name = "BACKEND,..",
         value_delimiter = ',',
         default_value = "auto"
     )]
-    backend: Vec<Choice>,
+    backend: Vec<Chosen>,
     /// Frames of a run to measure
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     frames: u32,
@@ -83,11 +82,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if let Some(path) = &args.trace {
         ensure_writable(path)?;
     }
-    let backends = args.backend.iter().map(|&choice| backends::open(choice));
-    let mut backends = backends.collect::<Result<Vec<_>, _>>()?;
-    // What is named twice, as by `auto`, is measured once.
-    let mut names = BTreeSet::new();
-    backends.retain(|backend| names.insert(backend.name().to_owned()));
+    let Opened { backends, .. } = chosen::open("--backend", &args.backend)?;
     if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
         for backend in &backends {
             before(path, old, backend.name())?;
@@ -138,6 +133,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     if let Some(path) = &args.trace {
         write_trace(path, gi.schedule(), &all)?;
+    }
+    if !args.json && all.len() > 1 {
+        let profiles: Vec<&Profile> = all.iter().map(|(profile, ..)| profile).collect();
+        say!("{}", beside(&profiles));
     }
     if args.json {
         let printed: Vec<_> = all

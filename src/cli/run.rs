@@ -126,13 +126,18 @@ pub(super) fn warn_of_few_rays(surfels: u64, rays: u64) {
     }
 }
 
-/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size. One that does not fit is left to
-/// who measures, and so is a backend that fails.
-pub(super) fn warn_of_truth(backend: &dyn Backend, loaded: &Loaded, truth: &Picture, path: &Path) {
+/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size, and tells how many pixels do. One that
+/// does not fit is left to who measures, and so is a backend that fails.
+pub(super) fn warn_of_truth(
+    backend: &dyn Backend,
+    loaded: &Loaded,
+    truth: &Picture,
+    path: &Path,
+) -> Option<usize> {
     let size = [truth.width, truth.height];
     let fits = |(of, whole): (&u32, &u32)| *of > 0 && whole.is_multiple_of(*of);
     if !size.iter().zip(&loaded.size).all(fits) {
-        return;
+        return None;
     }
     let options = ReferenceOptions {
         size,
@@ -141,15 +146,13 @@ pub(super) fn warn_of_truth(backend: &dyn Backend, loaded: &Loaded, truth: &Pict
         emitters: false,
     };
     let ours = reference(backend, &loaded.scene, &loaded.view, &options, |_, _| ());
-    let other = ours
-        .ok()
-        .and_then(|(ours, _)| other_view(&ours, truth, &CompareOptions::default()));
-    if let Some([elsewhere, of]) = other {
-        warning!(
-            "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; is it of this scene and view?",
-            path.display()
-        );
-    }
+    let (ours, _) = ours.ok()?;
+    let [elsewhere, of] = other_view(&ours, truth, &CompareOptions::default())?;
+    warning!(
+        "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; is it of this scene and view?",
+        path.display()
+    );
+    Some(elsewhere)
 }
 
 /// The median of some numbers, 0 of none.

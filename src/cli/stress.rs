@@ -4,6 +4,7 @@ use super::output::{prepare_folder, progress, say};
 use super::run::{Totals, median, prepare, title, warn_of_truth};
 use super::scene::{SceneArgs, TechniqueArgs, ray_budget};
 use crate::backends::{self, Choice};
+use crate::conditions::{settings_map, view_value};
 use crate::measure::{
     Stress, StressError, StressRow, converged_from, csv, group_plot, or_empty, plot_of, stress,
 };
@@ -11,6 +12,8 @@ use crate::picture::{Picture, replace_file};
 use crate::plot::Axis;
 use crate::words::counted;
 use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Measure how soon light converges from an empty cache, and what that costs
@@ -58,13 +61,28 @@ fn percent(text: &str) -> Result<f64, String> {
 /// The run of one budget.
 #[derive(Debug, Serialize)]
 struct Run {
+    version: &'static str,
+    scene: String,
+    /// How it is seen, as in a view file.
+    view: Value,
     backend: String,
     device: String,
+    driver: String,
     size: [u32; 2],
+    /// Every setting.
+    settings: BTreeMap<String, Value>,
+    seed: u32,
     budget: u32,
     /// What the error is against.
     against: String,
-    converged: Option<Converged>,
+    /// Against a truth: from where on the picture is right, within the limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    converged: Option<Option<Converged>>,
+    /// Against the last frame: from where on the picture stays what it is, right or not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    settled: Option<Option<Converged>>,
+    /// The limit, as a fraction.
+    limit: f64,
     totals: Totals,
     #[serde(flatten)]
     stress: Stress,
@@ -138,16 +156,28 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
                 .sum::<f64>()
                 * 1e-3,
         });
+        let (converged, settled) = match truth {
+            Some(_) => (Some(converged), None),
+            None => (None, Some(converged)),
+        };
         let run = Run {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: args.scene.scene.clone(),
+            view: view_value(&loaded.view),
             backend: backend.name().into(),
             device: backend.device().name.clone(),
+            driver: backend.device().driver.clone(),
             size: loaded.size,
+            settings: settings_map(settings),
+            seed: args.seed,
             budget: settings.rays,
             against: match &args.truth {
                 Some(truth) => truth.display().to_string(),
                 None => "the last frame".into(),
             },
             converged,
+            settled,
+            limit: args.converged / 100.0,
             totals: Totals::of(settings.surfels, stress.rows.iter().map(|row| &row.frame)),
             stress,
         };
@@ -182,7 +212,7 @@ fn table(run: &Run, args: &Args) -> String {
     } else {
         "settled"
     };
-    text += &match &run.converged {
+    text += &match run.converged.iter().chain(&run.settled).flatten().next() {
         Some(at) => format!(
             "{word} after {}, {:.2} s: from there on the block error against {} stays below {limit} %\n",
             counted(at.frames as u64, "frame"),

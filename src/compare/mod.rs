@@ -19,7 +19,7 @@ use crate::picture::Picture;
 pub use error::CompareError;
 pub use flip::{PIXELS_PER_DEGREE, flip};
 pub use metrics::{BLOCK, BLOCK_MIN_PIXELS, Metrics, TRUTH_FLOOR};
-pub use noise::noise_floor;
+pub use noise::{HalvesDoubt, halves_doubt, noise_floor};
 pub use pair::MaskCounts;
 pub use report::{HEAT_FULL_SCALE, Maps, NonFinite, Report};
 

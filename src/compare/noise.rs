@@ -45,6 +45,48 @@ pub fn noise_floor(
             truth_height: half_b.height,
         });
     }
+    let mean = mean_of(half_a, half_b, layer)?;
+    let pair = Pair::new(half_a, &mean, truth, layer, false)?;
+    Ok(compare_pair(pair, options)?.metrics)
+}
+
+/// What makes two pictures doubtful as the halves of a truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HalvesDoubt {
+    /// They are the same, so that they tell of no noise.
+    Alike,
+    /// Their mean is another picture than the truth: its relMSE against it.
+    OfAnother {
+        /// As in [`Metrics`].
+        rel_mse: f64,
+    },
+}
+
+/// relMSE that storing a truth and its halves in half precision may leave between their mean and the truth, an order of
+/// magnitude above: values are off by up to 2^-11, three of them in quadrature.
+const ROUNDING: f64 = 1e-6;
+
+/// Whether halves are doubtful, given the `noise` that [`noise_floor`] found of them: a truth that is their mean differs from it by
+/// rounding alone, of which more than a hundredth of the noise's relMSE, a tenth in size, would spoil it. `None` also where the mean
+/// cannot be compared with the truth.
+pub fn halves_doubt(
+    half_a: &Picture,
+    half_b: &Picture,
+    truth: &Picture,
+    noise: &Metrics,
+    options: &CompareOptions,
+) -> Option<HalvesDoubt> {
+    if noise.rel_mse == 0.0 {
+        return Some(HalvesDoubt::Alike);
+    }
+    let mean = mean_of(half_a, half_b, &options.layer).ok()?;
+    let pair = Pair::new(&mean, truth, truth, &options.layer, false).ok()?;
+    let rel_mse = compare_pair(pair, options).ok()?.metrics.rel_mse;
+    (rel_mse > ROUNDING.max(0.01 * noise.rel_mse)).then_some(HalvesDoubt::OfAnother { rel_mse })
+}
+
+/// A picture with the mean of a layer of two of one size.
+fn mean_of(half_a: &Picture, half_b: &Picture, layer: &str) -> Result<Picture, CompareError> {
     let [a, b] = [half_a, half_b].map(|half| half.rgb(layer).map_err(CompareError::Truth));
     let (a, b) = (a?, b?);
     let mut mean = Picture::new(half_a.width, half_a.height);
@@ -54,6 +96,5 @@ pub fn noise_floor(
         pairs.map(|(a, b)| 0.5 * a + 0.5 * b).collect()
     });
     mean.set_rgb(layer, planes).map_err(CompareError::Truth)?;
-    let pair = Pair::new(half_a, &mean, truth, layer, false)?;
-    Ok(compare_pair(pair, options)?.metrics)
+    Ok(mean)
 }

@@ -395,6 +395,37 @@ fn the_noise_of_halves_in_closed_form() {
 }
 
 #[test]
+fn halves_are_those_of_the_truth_or_doubted() {
+    let half = |sign: f32| grey(32, 8, move |x, y| 1.0 + sign * 0.02 * noise(x + 32 * y));
+    let (a, b) = (half(1.0), half(-1.0));
+    // Stored in half precision, of which values from 1 to 2 have 1024.
+    let rounded = grey(32, 8, |x, y| {
+        let exact = 1.0 + 1e-3 * noise(x * 7 + y);
+        (exact * 1024.0).round() / 1024.0
+    });
+    let options = CompareOptions::default();
+    let doubt = |a: &Picture, b: &Picture, truth: &Picture| {
+        let noise = noise_floor(a, b, truth, &options).unwrap();
+        halves_doubt(a, b, truth, &noise, &options)
+    };
+    assert_eq!(doubt(&a, &b, &grey(32, 8, |_, _| 1.0)), None);
+    assert_eq!(doubt(&a, &b, &rounded), None);
+    // A quiet truth's halves differ by little more than rounding.
+    let quiet = |sign: f32| grey(32, 8, move |x, _| 1.0 + sign * 1e-4 * noise(x));
+    assert_eq!(
+        doubt(&quiet(1.0), &quiet(-1.0), &grey(32, 8, |_, _| 1.0004)),
+        None
+    );
+    let other = doubt(&a, &b, &grey(32, 8, |_, _| 1.01));
+    let Some(HalvesDoubt::OfAnother { rel_mse }) = other else {
+        panic!("{other:?}");
+    };
+    // (0.01 / 1.01)^2, with a ten-thousandth in the denominator.
+    assert!((rel_mse / 9.802e-5 - 1.0).abs() < 1e-3, "{rel_mse}");
+    assert_eq!(doubt(&a, &a, &a), Some(HalvesDoubt::Alike));
+}
+
+#[test]
 fn pictures_of_other_views_are_told_from_edges() {
     let truth = with(grey(10, 10, |_, _| 1.0), "depth.Z", |_, _| 1.0);
     // So many of a hundred pixels are elsewhere.

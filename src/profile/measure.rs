@@ -5,6 +5,7 @@ use super::statistics::{Figure, Interval, quantile};
 use super::trace::TimedFrame;
 use super::work::work;
 use super::{Cost, FORMAT, FrameCost, Profile, StageCost, Work};
+use crate::conditions::{settings_map, view_value};
 use crate::view::View;
 use crate::{RenderError, Renderer};
 use gibs_graph::{Backend, Schedule};
@@ -141,19 +142,13 @@ pub fn measure(
         gibs_profile: FORMAT,
         version: env!("CARGO_PKG_VERSION").into(),
         scene: name.into(),
-        // One that cannot be written as a file is told by its scene alone.
-        view: (view.to_json().ok())
-            .and_then(|text| serde_json::from_str(&text).ok())
-            .unwrap_or_default(),
+        view: view_value(view),
         backend: backend.name().into(),
         device: device.name.clone(),
         driver: device.driver.clone(),
         notes: device.notes.clone(),
         size: options.size,
-        settings: match serde_json::to_value(settings) {
-            Ok(serde_json::Value::Object(map)) => map.into_iter().collect(),
-            _ => Default::default(),
-        },
+        settings: settings_map(settings),
         runs: options.runs,
         seed: options.seed,
         frames: options.frames,

@@ -1,5 +1,6 @@
 //! Time, work and memory of every stage of the frame.
 mod against;
+mod beside;
 mod error;
 mod fold;
 mod measure;
@@ -13,6 +14,7 @@ mod trace;
 mod work;
 
 pub use against::{Change, Comparison, Verdict, compare};
+pub use beside::beside;
 pub use error::ProfileError;
 pub use measure::{Options, Progress, measure};
 pub use savings::{Saving, savings};

@@ -58,6 +58,45 @@ fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
 }
 
 #[test]
+fn backends_stand_beside_each_other_by_stage() {
+    let first = profile(
+        &[8.0, 8.0],
+        &[("trace", &[4.0, 4.0]), ("shade", &[2.0, 2.0])],
+    );
+    let mut second = profile(
+        &[2.0, 2.0],
+        &[("shade", &[3.0, 3.0]), ("trace", &[1.0, 1.0])],
+    );
+    second.backend = "vulkan".into();
+    let mut untimed = first.clone();
+    untimed.backend = "wgpu".into();
+    untimed.frame.steps_ms = None;
+    for cost in untimed.stages.iter_mut().map(|row| &mut row.cost) {
+        cost.ms = None;
+    }
+    let text = beside(&[&first, &second, &untimed]);
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .map(|l| l.split_whitespace().collect())
+        .collect();
+    assert_eq!(rows[0][rows[0].len() - 3..], ["cpu", "vulkan", "wgpu"]);
+    assert_eq!(
+        rows[1],
+        ["a", "frame", "8.000", "2.000", "x0.25", "8.000", "x1.00"]
+    );
+    assert_eq!(rows[2], ["its", "steps", "8.000", "2.000", "x0.25", "-"]);
+    assert_eq!(rows[4], ["trace", "4.000", "1.000", "x0.25", "-"]);
+    assert_eq!(rows[5], ["shade", "2.000", "3.000", "x1.50", "-"]);
+    // One without times does not make the others' vanish.
+    let text = beside(&[&untimed, &first]);
+    assert!(
+        text.lines()
+            .any(|l| l.split_whitespace().eq(["trace", "-", "4.000"])),
+        "{text}"
+    );
+}
+
+#[test]
 fn figures_are_medians_and_percentiles_of_all_frames() {
     let figure = Figure::of(&[vec![1.0, 2.0, 3.0], vec![4.0, 5.0, 1005.0]]);
     assert_eq!(figure.median, 3.5);

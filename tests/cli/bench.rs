@@ -1,5 +1,6 @@
 //! `gibs bench`.
 use crate::program::*;
+use gibs::picture::Picture;
 use serde_json::Value;
 use std::process::Command;
 
@@ -55,6 +56,7 @@ fn elements_are_measured_beside_path_tracing() {
     );
     let measured = &all["measured"][0];
     assert_eq!(measured["backend"], "cpu");
+    assert_eq!(measured["same_as_path_tracing"], serde_json::json!([]));
     // Every fifth pixel.
     assert_eq!(
         (&measured["truth"]["step"], &measured["truth"]["samples"]),
@@ -233,7 +235,21 @@ fn figures_are_those_of_compare() {
             );
         }
     }
-    assert!(folder.join("cornell-cpu-truth.exr").exists());
+    // The truth that errors are of, and the one to look at.
+    let own = folder.join("cornell-cpu-truth.exr");
+    let same = json(&["compare", own.to_str().unwrap(), &truth, "--json"]);
+    assert_eq!(same["metrics"]["rel_mse"], 0.0);
+    let whole = folder.join("cornell-cpu-truth-whole.exr");
+    assert_eq!(Picture::read_exr(&whole).unwrap().width, 60);
+    let about = &all["measured"][0]["truth"];
+    assert_eq!(about["file"], truth.as_str());
+    assert_eq!(about["mask"], same["mask"]);
+    let settings = &all["measured"][0]["settings"];
+    assert_eq!(
+        (&settings["rays"], &settings["surfels"]),
+        (&20_000.into(), &8192.into())
+    );
+    assert!(all["measured"][0]["view"]["camera"].is_object());
 }
 
 #[test]
@@ -261,6 +277,7 @@ fn what_does_not_fit_is_refused() {
     ];
     let text = succeed(&[&FEW[..14], &more].concat());
     assert!(text.contains("one of 25 pixels, standard error"), "{text}");
+    assert!(text.contains("; errors are of "), "{text}");
     assert!(text.contains("| after 3 frames | relMSE |"), "{text}");
     assert!(text.contains("| without depth | "), "{text}");
     assert!(!text.contains("times the time"), "{text}");
@@ -279,6 +296,10 @@ fn what_does_not_fit_is_refused() {
     );
     assert!(text.contains("| after 1 frame | relMSE |"), "{text}");
     assert!(text.contains("| without sharing |"), "{text}");
+    assert!(
+        text.contains(" show another surface in the truth"),
+        "{text}"
+    );
     refused(
         &["bench", "cornell", "atrium", "--truth", &truth],
         &["--truth", "truth.exr", "one scene"],
@@ -298,6 +319,31 @@ fn what_does_not_fit_is_refused() {
     refused(&["bench", "--search=-1"], &["--search", "86400"]);
     refused(&["bench", "--pictures"], &["--report"]);
     refused(&["bench", "--cache", "x", "--no-cache"], &["--no-cache"]);
+}
+
+/// Where no triangle and no part of the sky can be sent a ray to, both baselines trace the same paths: one is enough.
+#[test]
+fn brute_force_that_is_path_tracing_is_left_out() {
+    let more = ["--elements", "none", "--seeds", "2", "--no-cache", "--json"];
+    let all = json(&[&["bench", "window-room"], &FEW[2..], &more].concat());
+    let measured = &all["measured"][0];
+    assert_eq!(
+        measured["same_as_path_tracing"],
+        serde_json::json!(["brute force"])
+    );
+    let rows = rows(measured);
+    let names: Vec<_> = rows.iter().filter_map(|row| row["name"].as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "as set",
+            "1/4 of the rays",
+            "4 x the rays",
+            "path tracing, equal rays",
+            "path tracing, equal time",
+        ]
+    );
+    assert_eq!(measured["equal_error"].as_array().unwrap().len(), 2);
 }
 
 /// A dark room's truth is refused before anything is measured there; the scenes behind it are measured all the same.

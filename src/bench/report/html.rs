@@ -1,8 +1,8 @@
 //! The report as one file that a browser opens, with plots and pictures in it.
 use super::sections::{pictures, plots, tables};
-use super::table::{asked, rounded, times, with_interval};
+use super::table::{asked, bound, missed, rounded, times, with_interval};
 use super::{BenchReport, Measured, heading};
-use crate::bench::{EqualError, Kind, TIME_OFF};
+use crate::bench::{EqualError, Kind};
 use crate::html::{escaped, page};
 use std::fmt::Write;
 
@@ -39,8 +39,8 @@ MAPE is the mean relative error; relMSE weighs large errors more, as noise does;
 so that whatever else the machine did fell on all of them; path tracing ran after them.\
 <li><i>Path tracing</i> has a ray to an emitter or the sky at each vertex, <i>brute force</i> has none. <i>Equal rays</i> and <i>equal time</i> give them what \
 the first row had up to that frame. <i>The same error</i> is what they need to be as right as the first row.\
-<li>Where an equal time was missed, the name of the row says how much of it was taken: samples are whole, so that a slow one may miss by much, and times \
-are noisy.\
+<li>Where equal rays or an equal time were missed, the name of the row says how much of it was taken: samples are whole, so that a large one may miss by much, and \
+times are noisy.\
 <li>A dot behind a name means that nothing measured has a smaller MAPE in no more time (the Pareto front).</ul></details>";
 
 /// The report as one HTML file that needs nothing else and runs no script.
@@ -105,19 +105,17 @@ fn summary(body: &mut String, all: &[Measured]) {
             };
             let traced = at(Kind::EqualTime).map_or_else(String::new, |after| {
                 let mape = with_interval(after.errors.mape, 100.0, false);
-                match (after.ratio.median - 1.0).abs() > TIME_OFF {
-                    true => format!("{mape} % (took {:.2} of it)", after.ratio.median),
-                    false => mape + " %",
-                }
+                format!("{mape} %{}", missed(after))
             });
             let needs = |baseline: &str| {
                 let of = |e: &&EqualError| {
                     e.baseline == baseline && e.frames == frames && e.metric == "rel_mse"
                 };
-                measured.equal_error.iter().find(of).map(|equal| {
-                    let more = if equal.reached { "" } else { "&gt; " };
-                    format!("{more}{} times", times(equal))
-                })
+                measured
+                    .equal_error
+                    .iter()
+                    .find(of)
+                    .map(|equal| format!("{}{} times", escaped(bound(equal)), times(equal)))
             };
             let _ = write!(
                 body,
@@ -129,7 +127,10 @@ fn summary(body: &mut String, all: &[Measured]) {
                 with_interval(own.errors.mape, 100.0, false),
                 with_interval(own.errors.rel_mse, 1.0, false),
                 needs("path tracing").unwrap_or_default(),
-                needs("brute force").unwrap_or_default(),
+                needs("brute force").unwrap_or_else(|| {
+                    let same = !measured.same_as_path_tracing.is_empty();
+                    if same { "the same" } else { "" }.to_owned()
+                }),
             );
         }
     }

@@ -13,8 +13,11 @@ pub use plots::plots;
 pub use table::{equal_error_table, table};
 
 use super::{EqualError, Pictures, Row};
+use crate::compare::MaskCounts;
 use crate::words::counted;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Everything that a run of the command measured.
 #[derive(Clone, Debug, Serialize)]
@@ -73,6 +76,10 @@ pub struct Measured {
     pub driver: String,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// How the scene is seen, as in a view file.
+    pub view: serde_json::Value,
+    /// Every setting of the first configuration.
+    pub settings: BTreeMap<String, serde_json::Value>,
     /// Ray budget of a frame of the first configuration.
     pub rays: u32,
     /// Repetitions.
@@ -83,6 +90,8 @@ pub struct Measured {
     pub rows: Vec<Row>,
     /// What path tracing needs for equal error.
     pub equal_error: Vec<EqualError>,
+    /// Baselines that are no other than path tracing in this scene, and have no rows.
+    pub same_as_path_tracing: Vec<String>,
     /// Factor on pictures for display.
     #[serde(skip)]
     pub exposure: f32,
@@ -94,12 +103,18 @@ pub struct Measured {
 /// A truth.
 #[derive(Clone, Debug, Serialize)]
 pub struct AboutTruth {
+    /// The file that was given; `None` of one that was path-traced here.
+    pub file: Option<PathBuf>,
     /// Of every how many pixels of a row and column there is a truth.
     pub step: u32,
     /// Samples per pixel, where known.
     pub samples: Option<u32>,
     /// Standard error per pixel over the mean, where known.
     pub standard_error: Option<f64>,
+    /// Its pixels: those that errors are of, and those left out.
+    pub mask: MaskCounts,
+    /// How many of those that errors are of show another surface than the scene does, where that makes the truth doubtful.
+    pub elsewhere: Option<usize>,
 }
 
 impl Machine {
@@ -116,24 +131,53 @@ impl Machine {
 /// A line about the measurement.
 pub fn heading(measured: &Measured) -> String {
     let [width, height] = measured.size;
-    let truth = &measured.truth;
-    let pixels = match truth.step {
-        1 => "every pixel".to_string(),
-        step => format!("one of {} pixels", step * step),
-    };
-    let samples = truth.samples.map(|n| format!(", {n} samples"));
-    let error = truth.standard_error.map_or_else(
-        || "; its noise is not known".into(),
-        |e| format!(", standard error {:.1} % per pixel", e * 100.0),
-    );
     format!(
-        "{} on {} ({}): {width}x{height}, {} rays a frame, {}; truth of {pixels}{}{}",
+        "{} on {} ({}): {width}x{height}, {} rays a frame, {}; {}{}",
         measured.scene,
         measured.backend,
         measured.device,
         measured.rays,
         counted(measured.seeds, "seed"),
-        samples.unwrap_or_default(),
-        error,
+        measured.truth.in_words(),
+        match measured.same_as_path_tracing.as_slice() {
+            [] => String::new(),
+            same => format!(
+                "; {} is path tracing here, where nothing emits that a ray could be sent to",
+                same.join(", ")
+            ),
+        }
     )
+}
+
+impl AboutTruth {
+    /// What errors are against, how many pixels of it, and what makes it doubtful.
+    fn in_words(&self) -> String {
+        let Self { mask, .. } = self;
+        let mut text = match &self.file {
+            Some(path) => format!("truth {} of ", path.display()),
+            None => "truth of ".into(),
+        };
+        text += &match self.step {
+            1 => "every pixel".to_string(),
+            step => format!("one of {} pixels", step * step),
+        };
+        if let Some(samples) = self.samples {
+            text += &format!(", {samples} samples");
+        }
+        text += &self.standard_error.map_or_else(
+            || "; its noise is not known".into(),
+            |e| format!(", standard error {:.1} % per pixel", e * 100.0),
+        );
+        text += &format!("; errors are of {}", counted(mask.valid as u64, "pixel"));
+        let left_out = [(mask.fireflies, "fireflies"), (mask.blended, "blended")];
+        for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
+            text += &format!(", {count} left out ({what})");
+        }
+        if let Some(elsewhere) = self.elsewhere {
+            text += &format!(
+                "; {elsewhere} show another surface in the truth: is it of this scene and view?"
+            );
+        }
+        text
+    }
 }

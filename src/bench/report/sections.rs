@@ -15,7 +15,7 @@ pub(super) fn pictures(body: &mut String, measured: &Measured) {
     if pictures.shots.is_empty() {
         return;
     }
-    if let Some(look) = &pictures.truth
+    if let Some(look) = &pictures.look
         && let Some(address) = photo(&look.picture, measured.exposure)
     {
         let samples = match look.samples {

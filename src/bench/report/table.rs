@@ -1,5 +1,5 @@
 //! Tables in Markdown.
-use crate::bench::{After, EqualError, Kind, Mean, Row, TIME_OFF};
+use crate::bench::{After, EqualError, Mean, OFF, Row};
 use crate::words::counted;
 
 /// A table in Markdown for each number of frames that was asked for. What stands behind ± is half of the 95 % confidence interval.
@@ -21,13 +21,16 @@ pub(super) fn asked(rows: &[Row]) -> Vec<u32> {
     asked
 }
 
-/// The name of a row, with what it took of a time that it was to equal and did not.
+/// The name of a row, with what it took of time or rays that it was to equal and did not.
 pub(super) fn name(row: &Row, after: &After) -> String {
-    let times = after.ratio.median;
-    let missed = row.kind == Kind::EqualTime && (times - 1.0).abs() > TIME_OFF;
-    match missed {
-        true => format!("{} (took {times:.2} of it)", row.name),
-        false => row.name.clone(),
+    row.name.clone() + &missed(after)
+}
+
+/// What was taken of what was to be equalled, in brackets, where that was missed; else nothing.
+pub(super) fn missed(after: &After) -> String {
+    match after.taken {
+        Some(taken) if (taken - 1.0).abs() > OFF => format!(" (took {taken:.2} of it)"),
+        _ => String::new(),
     }
 }
 
@@ -81,6 +84,15 @@ fn table_after(rows: &[Row], frames: u32) -> String {
     text
 }
 
+/// What stands before figures of which more is needed, or less.
+pub(super) fn bound(equal: &EqualError) -> &'static str {
+    match (equal.reached, equal.fewer) {
+        (false, _) => "> ",
+        (true, true) => "< ",
+        (true, false) => "",
+    }
+}
+
 /// The heads of the columns of [`equal_error_table`].
 pub(super) const EQUAL_HEADS: [&str; 7] = [
     "baseline",
@@ -94,15 +106,15 @@ pub(super) const EQUAL_HEADS: [&str; 7] = [
 
 /// How many times the time: with its interval, where the error was reached.
 pub(super) fn times(equal: &EqualError) -> String {
-    match equal.reached {
-        true => with_interval(equal.times, 1.0, false),
-        false => rounded(equal.times.mean, 2, false),
+    match bound(equal) {
+        "" => with_interval(equal.times, 1.0, false),
+        _ => rounded(equal.times.mean, 2, false),
     }
 }
 
-/// What stands in them; with `>` where more is needed than was tried.
+/// What stands in them; with `>` where more is needed than was tried, and `<` where less is than can be.
 pub(super) fn equal_cells(equal: &EqualError) -> [String; 7] {
-    let more = if equal.reached { "" } else { "> " };
+    let more = bound(equal);
     let same = match equal.metric {
         "rel_mse" => format!("relMSE of {}", rounded(equal.error.mean, 3, false)),
         _ => format!("MAPE of {} %", rounded(equal.error.mean * 100.0, 3, false)),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::bench::{After, Errors, Kind, Look, Mean, Shot, Spread};
-use crate::compare::Metrics;
+use crate::compare::{MaskCounts, Metrics};
 use crate::picture::Picture;
 
 fn mean(value: f64) -> Mean {
@@ -32,6 +32,7 @@ fn measured() -> Measured {
             median: 1.0,
             high: 1.25,
         },
+        taken: None,
         pareto: frames == 16,
     };
     let row = |name: &str, kind| Row {
@@ -46,6 +47,7 @@ fn measured() -> Measured {
         metric,
         error: mean(0.0363),
         reached,
+        fewer: false,
         samples: mean(412.0),
         rays: mean(1.6e8),
         seconds: mean(37.7),
@@ -70,7 +72,18 @@ fn measured() -> Measured {
         size: [4, 2],
         rays: 100_000,
         seeds: 2,
+        view: serde_json::Value::Null,
+        settings: Default::default(),
         truth: AboutTruth {
+            file: None,
+            mask: MaskCounts {
+                pixels: 8,
+                valid: 7,
+                missed: 0,
+                blended: 0,
+                fireflies: 1,
+            },
+            elsewhere: None,
             step: 1,
             samples: Some(64),
             standard_error: Some(0.01),
@@ -81,10 +94,11 @@ fn measured() -> Measured {
             row("path tracing, equal rays", Kind::EqualRays),
             row("path tracing, equal time", Kind::EqualTime),
         ],
+        same_as_path_tracing: Vec::new(),
         equal_error: vec![equal("rel_mse", true), equal("mape", false)],
         exposure: 1.0,
         pictures: Pictures {
-            truth: Some(Look {
+            look: Some(Look {
                 picture,
                 samples: Some(64),
                 warning: None,
@@ -94,12 +108,52 @@ fn measured() -> Measured {
     }
 }
 
+fn report(measured: Measured) -> BenchReport {
+    BenchReport {
+        command: "gibs bench 'a <b>'".into(),
+        machine: Machine::here(),
+        not_run: vec![NotRun {
+            backend: "vulkan".into(),
+            reason: "no <driver>".into(),
+        }],
+        failed: vec![Failed {
+            scene: "a <scene>".into(),
+            reason: "it is <dark>".into(),
+        }],
+        measured: vec![measured],
+    }
+}
+
 fn same_columns(lines: &[&str], separator: char) {
     let columns = |line: &str| line.matches(separator).count();
     assert!(
         lines.iter().all(|line| columns(line) == columns(lines[0])),
         "{lines:?}"
     );
+}
+
+#[test]
+fn the_heading_says_what_errors_are_against() {
+    let mut measured = measured();
+    assert_eq!(
+        heading(&measured),
+        "a \"quoted\" <name> on cpu (a device): 4x2, 100000 rays a frame, 2 seeds; truth of every pixel, 64 samples, standard error \
+         1.0 % per pixel; errors are of 7 pixels, 1 left out (fireflies)"
+    );
+    measured.truth = AboutTruth {
+        file: Some("ref.exr".into()),
+        step: 3,
+        samples: None,
+        standard_error: None,
+        elsewhere: Some(5),
+        ..measured.truth
+    };
+    measured.same_as_path_tracing = vec!["brute force".into()];
+    let text = heading(&measured);
+    let part = "truth ref.exr of one of 9 pixels; its noise is not known; errors are of 7 pixels, 1 left out \
+                (fireflies); 5 show another surface in the truth: is it of this scene and view?; brute force is path tracing here";
+    assert!(text.contains(part), "{text}");
+    assert!(html(&report(measured)).contains("the same</tr>"));
 }
 
 #[test]
@@ -125,9 +179,9 @@ fn an_equal_time_that_was_missed_says_so() {
         names.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(rows(&measured)[5], "| path tracing, equal time");
-    let mut took = |ratio: f64| {
-        for after in measured.rows.iter_mut().flat_map(|row| &mut row.after) {
-            after.ratio.median = ratio;
+    let mut took = |taken: f64| {
+        for after in &mut measured.rows[3].after {
+            after.taken = Some(taken);
         }
         rows(&measured)
     };
@@ -141,6 +195,17 @@ fn an_equal_time_that_was_missed_says_so() {
     assert_eq!(names[5], "| path tracing, equal time (took 1.46 of it)");
     // Other times are not meant to be equal.
     assert_eq!(names[2..5], rows(&self::measured())[2..5]);
+}
+
+#[test]
+fn what_is_reached_too_easily_is_said_to_be_less() {
+    let mut equal = measured().equal_error;
+    equal[0].fewer = true;
+    let text = equal_error_table(&equal);
+    assert_eq!(
+        text.lines().nth(2),
+        Some("| path tracing | 16 | relMSE of 0.0363 | < 412 | < 1.60e8 | < 37.7 | < 18 |")
+    );
 }
 
 #[test]
@@ -164,14 +229,14 @@ fn csv_has_a_line_for_everything() {
     let text = csv(&[measured()]);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 4 * 2);
-    let start = "\"a \"\"quoted\"\" <name>\",cpu,\"defaults\",settings,8,false,";
+    let start = "\"a \"\"quoted\"\" <name>\",cpu,\"a device\",4,2,100000,2,64,\"defaults\",settings,8,false,";
     assert!(lines[1].starts_with(start), "{}", lines[1]);
     assert!(lines[1].ends_with(",false") && lines[2].ends_with(",true"));
     same_columns(&lines[..5], ',');
     let text = equal_error_csv(&[measured()]);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert!(lines[1].contains("rel_mse,true,") && lines[2].contains("mape,false,"));
+    assert!(lines[1].contains("rel_mse,true,false,") && lines[2].contains("mape,false,false,"));
     same_columns(&lines, ',');
 }
 
@@ -193,20 +258,7 @@ fn plots_name_what_they_show() {
 
 #[test]
 fn the_page_has_everything_and_asks_for_nothing() {
-    let report = BenchReport {
-        command: "gibs bench 'a <b>'".into(),
-        machine: Machine::here(),
-        not_run: vec![NotRun {
-            backend: "vulkan".into(),
-            reason: "no <driver>".into(),
-        }],
-        failed: vec![Failed {
-            scene: "a <scene>".into(),
-            reason: "it is <dark>".into(),
-        }],
-        measured: vec![measured()],
-    };
-    let page = html(&report);
+    let page = html(&report(measured()));
     for text in [
         "gibs bench &#x27;a &lt;b&gt;&#x27;",
         "no &lt;driver&gt;",

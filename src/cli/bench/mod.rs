@@ -1,16 +1,17 @@
 //! `gibs bench`: speed against error.
-mod backends;
 mod files;
+mod truth;
 
 use super::CommandError;
+use super::chosen::{self, Chosen, Opened};
 use super::output::{prepare_folder, progress, say, warning};
 use super::run::{warn_of_no_light, warn_of_truth};
 use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
 use crate::bench::{
-    self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
-    Pictures, Target, Truth, TruthCache,
+    self, AboutTruth, BenchReport, Configuration, Failed, Machine, Measured, Options, Pictures,
+    Target, Truth, TruthCache,
 };
-use backends::{Chosen, Opened};
+use crate::conditions::{settings_map, view_value};
 use gibs_graph::Backend;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -31,7 +32,7 @@ pub struct Args {
     size: [u32; 2],
     #[command(flatten)]
     settings: SettingsArgs,
-    /// Elements of the technique to switch, or all [default: all]
+    /// Elements of the technique to switch, all or none [default: all]
     #[arg(long, value_name = "ELEMENT,..", value_delimiter = ',')]
     elements: Vec<String>,
     /// Backends to measure: auto, cpu, wgpu, vulkan, or all that this machine has
@@ -89,9 +90,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     settings.check()?;
     warn_of_no_light(&settings);
     let all = args.elements.is_empty() || args.elements.iter().any(|name| name == "all");
-    let elements = match all {
-        true => Configuration::elements(),
-        false => {
+    let none = args.elements.iter().all(|name| name == "none");
+    let elements = match (all, none) {
+        (true, _) => Configuration::elements(),
+        (false, true) => Vec::new(),
+        (false, false) => {
             // What is named twice is measured once.
             let mut names = BTreeSet::new();
             let once = args.elements.iter().filter(|name| names.insert(*name));
@@ -123,15 +126,17 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let truth = args.truth.as_ref().map(|path| Truth::read(path, args.size));
     let given = truth.transpose()?;
-    let Opened { backends, not_run } = backends::open(&args.backends)?;
-    for missing in &not_run {
-        warning!("not run: {}: {}", missing.backend, missing.reason);
-    }
+    let Opened { backends, not_run } = chosen::open("--backends", &args.backends)?;
     let cache = match (&args.cache, args.no_cache) {
         (_, true) => None,
         (Some(folder), _) => Some(TruthCache::new(folder)),
         (None, _) => TruthCache::usual(),
     };
+    if cache.is_none() && !args.no_cache && given.is_none() {
+        warning!(
+            "truths are not kept, as neither XDG_CACHE_HOME nor HOME is an absolute path; name a folder with --cache"
+        );
+    }
     let mut report = BenchReport {
         command: files::command_line(),
         machine: Machine::here(),
@@ -146,7 +151,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         backends: &backends,
         truth: given.as_ref(),
         cache: cache.as_ref(),
-        rays: settings.rays,
     };
     let mut written = BTreeSet::new();
     let done = all.measure(&mut report, &mut written);
@@ -183,7 +187,6 @@ struct Work<'a> {
     /// The truth that was given.
     truth: Option<&'a Truth>,
     cache: Option<&'a TruthCache>,
-    rays: u32,
 }
 
 impl Work<'_> {
@@ -246,21 +249,28 @@ impl Work<'_> {
         let of_first = target(first);
         let truth = match self.truth {
             Some(truth) => truth.clone(),
-            None => path_trace(&of_first, args.spp, cache)?,
+            None => truth::path_trace(&of_first, args.spp, cache)?,
         };
-        truth.check(name)?;
+        let mut about = AboutTruth {
+            file: args.truth.clone(),
+            step: truth.step(),
+            samples: truth.samples,
+            standard_error: truth.standard_error,
+            mask: truth.check(name)?,
+            elsewhere: None,
+        };
         if let Some(path) = &args.truth {
-            warn_of_truth(first, loaded, truth.picture(), path);
+            about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
         }
         let look = match args.report {
-            Some(_) => Some(look(&truth, &of_first, args.spp, cache)?),
+            Some(_) => Some(truth::look(&truth, &of_first, args.spp, cache)?),
             None => None,
         };
         for backend in self.backends {
             let target = target(backend.as_ref());
-            let mut measured = measure(&target, &truth, options, name, loaded)?;
-            measured.rays = self.rays;
-            measured.pictures.truth = look.clone();
+            let mut measured = measure(&target, &truth, &about, options, name)?;
+            measured.exposure = loaded.view.exposure;
+            measured.pictures.look = look.clone();
             if !args.json {
                 let tables = bench::table(&measured.rows);
                 let equal = bench::equal_error_table(&measured.equal_error);
@@ -270,7 +280,7 @@ impl Work<'_> {
                 let stem = files::stem(&args.scenes, index, backend.name());
                 written.extend(files::write_plots(folder, &stem, &measured)?);
                 if args.pictures {
-                    written.extend(measured.pictures.write(folder, &stem)?);
+                    written.extend(measured.pictures.write(folder, &stem, &truth)?);
                 }
             }
             report.measured.push(measured);
@@ -302,9 +312,9 @@ fn one_scene(args: &Args) -> Result<(), CommandError> {
 fn measure(
     target: &Target<'_>,
     truth: &Truth,
+    about: &AboutTruth,
     options: &Options,
     scene: &str,
-    loaded: &Loaded,
 ) -> Result<Measured, CommandError> {
     let bar = progress(bench::work(options), "measuring");
     let done = bench::measure(target, truth, options, || bar.inc(1));
@@ -315,67 +325,25 @@ fn measure(
     }
     let backend: &dyn Backend = target.backend;
     let device = backend.device();
+    let first = options.configurations.first().map(|first| &first.settings);
     Ok(Measured {
         scene: scene.into(),
         backend: backend.name().into(),
         device: device.name.clone(),
         driver: device.driver.clone(),
         size: options.size,
-        rays: 0,
+        view: view_value(target.view),
+        settings: first.map(settings_map).unwrap_or_default(),
+        rays: first.map_or(0, |settings| settings.rays),
         seeds: options.seeds,
-        truth: AboutTruth {
-            step: truth.step(),
-            samples: truth.samples,
-            standard_error: truth.standard_error,
-        },
+        truth: about.clone(),
         rows: done.rows,
         equal_error: done.equal_error,
-        exposure: loaded.view.exposure,
+        same_as_path_tracing: done.same,
+        exposure: 1.0,
         pictures: Pictures {
-            truth: None,
+            look: None,
             shots: done.shots,
         },
-    })
-}
-
-fn path_trace(
-    target: &Target<'_>,
-    samples: u32,
-    cache: Option<&TruthCache>,
-) -> Result<Truth, CommandError> {
-    let (bar, heard) = tracing(samples, "path tracing the truth");
-    let truth = Truth::render(target, samples, cache, heard);
-    bar.finish_and_clear();
-    let truth = truth?;
-    if let Some(warning) = &truth.warning {
-        warning!("{warning}");
-    }
-    Ok(truth)
-}
-
-fn look(
-    truth: &Truth,
-    target: &Target<'_>,
-    samples: u32,
-    cache: Option<&TruthCache>,
-) -> Result<Look, CommandError> {
-    let (bar, heard) = tracing(samples, "path tracing its picture");
-    let look = truth.look(target, samples, cache, heard);
-    bar.finish_and_clear();
-    let look = look?;
-    if let Some(warning) = &look.warning {
-        warning!("{warning}");
-    }
-    Ok(look)
-}
-
-/// A bar for path tracing, and what moves it.
-fn tracing(samples: u32, what: &'static str) -> (indicatif::ProgressBar, impl FnMut(u32, u32)) {
-    // How many segments paths have is not known before; three per sample is usual.
-    let bar = progress(u64::from(samples) * 3, what);
-    let own = bar.clone();
-    (bar, move |frames, _| {
-        own.set_length(own.length().unwrap_or(0).max(u64::from(frames)));
-        own.set_position(u64::from(frames));
     })
 }

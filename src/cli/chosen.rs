@@ -1,11 +1,12 @@
-//! The backends that are measured.
+//! The backends that are measured, of commands that take several.
 use crate::backends::{self, BUILT, Choice};
 use crate::bench::NotRun;
 use crate::cli::CommandError;
+use crate::cli::output::warning;
 use gibs_graph::Backend;
 use std::str::FromStr;
 
-/// What `--backends` takes.
+/// What an option for backends takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chosen {
     /// One.
@@ -35,9 +36,9 @@ pub struct Opened {
     pub not_run: Vec<NotRun>,
 }
 
-/// Opens each backend once, in the order in which they were asked for. One that was named has to be there; of `all` the
-/// others are left out.
-pub fn open(chosen: &[Chosen]) -> Result<Opened, CommandError> {
+/// Opens each backend once that `option` names, in the order in which they were asked for. One that was named has to be there; of `all` the
+/// others are left out, with a warning.
+pub fn open(option: &'static str, chosen: &[Chosen]) -> Result<Opened, CommandError> {
     let mut opened = Opened::default();
     for each in chosen {
         let (choices, named) = match each {
@@ -56,9 +57,12 @@ pub fn open(chosen: &[Chosen]) -> Result<Opened, CommandError> {
             }
         }
     }
+    for missing in &opened.not_run {
+        warning!("not run: {}: {}", missing.backend, missing.reason);
+    }
     match opened.not_run.first() {
         Some(first) if opened.backends.is_empty() => Err(CommandError::Value {
-            option: "--backends",
+            option,
             value: "all".into(),
             want: format!("none of them is there; {}", first.reason),
         }),
