@@ -50,9 +50,11 @@ impl Schedule {
     /// One line per step, with bindings and barriers.
     pub fn to_text(&self) -> String {
         let mut text = format!(
-            "{}: {} steps, {} resources, {:.1} MB ({:.1} MB saved by sharing)\n",
+            "{}: {} steps ({} dispatches), {} barriers, {} resources, {:.1} MB ({:.1} MB saved by sharing)\n",
             self.name,
             self.steps.len(),
+            self.dispatches().count(),
+            self.barriers(),
             self.resources.len(),
             self.bytes(false) as f64 / 1e6,
             self.shared_bytes() as f64 / 1e6

@@ -156,6 +156,13 @@ impl Schedule {
             .collect()
     }
 
+    /// Steps that have to wait for earlier ones since the last that did: before each, a backend that records a frame ahead needs a
+    /// barrier.
+    pub fn barriers(&self) -> usize {
+        let waiting = self.steps.iter().filter(|step| !step.hazards.is_empty());
+        waiting.count()
+    }
+
     /// The dispatch steps, with their index.
     pub fn dispatches(&self) -> impl Iterator<Item = (usize, &Step, &DispatchStep)> {
         self.steps

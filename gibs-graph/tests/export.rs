@@ -147,7 +147,7 @@ fn text_has_a_line_per_step() {
     assert_eq!(lines.len(), 1 + 3 + 1);
     assert_eq!(
         lines[0],
-        "a \"frame\": 3 steps, 4 resources, 0.0 MB (0.0 MB saved by sharing)"
+        "a \"frame\": 3 steps (2 dispatches), 2 barriers, 4 resources, 0.0 MB (0.0 MB saved by sharing)"
     );
     let words = |line: usize| lines[line].split_whitespace().collect::<Vec<_>>();
     assert_eq!(words(1)[..2], ["0", "clear"]);
