@@ -13,7 +13,11 @@ fn parts(settings: &Settings) -> BTreeSet<String> {
 }
 
 fn parts_of(settings: &Settings, screen: Screen) -> BTreeSet<String> {
-    let (scene, view) = builtin::by_name("cornell").expect("built in");
+    parts_in("cornell", settings, screen)
+}
+
+fn parts_in(scene: &str, settings: &Settings, screen: Screen) -> BTreeSet<String> {
+    let (scene, view) = builtin::by_name(scene).expect("built in");
     let gi = Gi::new(&scene, &view, [64, 48], settings, screen).expect("compiles");
     let schedule = gi.schedule();
     let labels = schedule.steps.iter().map(|step| step.label.clone());
@@ -56,6 +60,29 @@ fn what_is_off_has_no_stages() {
             let size = [64, 48];
             assert_ne!(on.device(size), off.device(size), "{}", element.name);
         }
+    }
+}
+
+/// One light a point takes as many samples as there are points, whose dispatch is there already.
+#[test]
+fn light_samples_have_a_batch_of_their_own_where_they_are_several() {
+    let two = Settings {
+        lights: 2,
+        ..Settings::default()
+    };
+    let one = Settings {
+        lights: 1,
+        ..Settings::default()
+    };
+    for (scene, settings, own) in [
+        ("window-room", &two, false),
+        ("many-lights", &two, true),
+        ("many-lights", &one, false),
+    ] {
+        let parts = parts_in(scene, settings, Screen::Traced);
+        let has = |name: &str| parts.iter().any(|part| part.contains(name));
+        assert!(has("persistent/sample_lights_1") && has("apply/sample_lights"));
+        assert_eq!(has("light_batch"), own, "{scene}");
     }
 }
 

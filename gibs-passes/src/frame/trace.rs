@@ -173,19 +173,21 @@ pub(crate) fn direct_light(
     if per_point == 0 {
         return None;
     }
-    let lights = g.transient(&format!("{group}_light_batch{suffix}"), 1);
-    let inputs = light_batch::Inputs {
-        batch: batch.args,
-        frame: &scene.frame,
-        lights,
-    };
-    let label = format!("{group}/light_batch{suffix}");
-    let args = g
-        .add::<light_batch::LightBatch>(&label, inputs, Dispatch::Groups([1, 1, 1]))
-        .lights;
+    // With one light a point there are as many samples as points.
+    let more = (per_point > 1).then(|| {
+        let lights = g.transient(&format!("{group}_light_batch{suffix}"), 1);
+        let inputs = light_batch::Inputs {
+            batch: batch.args,
+            frame: &scene.frame,
+            lights,
+        };
+        let label = format!("{group}/light_batch{suffix}");
+        g.add::<light_batch::LightBatch>(&label, inputs, Dispatch::Groups([1, 1, 1]))
+            .lights
+    });
     let most = batch.most * u64::from(per_point);
     let light_batch = Batch {
-        args: &args,
+        args: more.as_ref().unwrap_or(batch.args),
         most,
         fixed: batch.fixed,
     };
@@ -194,7 +196,7 @@ pub(crate) fn direct_light(
     let sampled = g.add::<sample_lights::SampleLights>(
         &format!("{group}/sample_lights{suffix}"),
         sample_lights::Inputs {
-            batch: &args,
+            batch: light_batch.args,
             frame: &scene.frame,
             points,
             lights: &scene.lights,
