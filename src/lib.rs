@@ -48,6 +48,7 @@ pub mod compare;
 mod conditions;
 mod counters;
 pub mod debug;
+mod files;
 pub mod gi;
 pub mod gltf_import;
 pub mod guiding;

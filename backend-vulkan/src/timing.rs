@@ -119,9 +119,11 @@ impl Timer {
 fn durations(stamps: &[u64], bits: u32, period: f32) -> Vec<StepTime> {
     let mask = u64::MAX.checked_shr(64 - bits.min(64)).unwrap_or(0);
     let nanoseconds = |ticks: u64| Duration::from_nanos((ticks as f64 * f64::from(period)) as u64);
+    // A counter that ran over is ahead by little, one that ran backwards by nearly all that it can count: that is no time.
+    let ahead = |ticks: u64| if ticks > mask / 2 { 0 } else { ticks };
     let ticks = stamps
         .windows(2)
-        .map(|pair| pair[1].wrapping_sub(pair[0]) & mask);
+        .map(|pair| ahead(pair[1].wrapping_sub(pair[0]) & mask));
     let mut before = 0_u64;
     ticks
         .enumerate()
@@ -168,6 +170,9 @@ mod tests {
             "a 32-bit counter ran over"
         );
         assert_eq!(nanoseconds(&[u64::MAX, 1], 64, 1.0), [2]);
+        // Of a counter that went back nothing is known; the next step has its time again.
+        assert_eq!(nanoseconds(&[100, 90, 97], 64, 1.0), [0, 7]);
+        assert_eq!(nanoseconds(&[100, 90, 97], 36, 1.0), [0, 7]);
         assert_eq!(nanoseconds(&[5], 64, 1.0), []);
     }
 }

@@ -155,7 +155,8 @@ impl Truth {
                 warning: None,
             });
         }
-        let samples = (samples / (self.step * self.step)).clamp(LOOK[0], LOOK[1]);
+        let samples = (u64::from(samples) / u64::from(self.step).pow(2))
+            .clamp(LOOK[0].into(), LOOK[1].into()) as u32;
         let (picture, warning) = target.reference(target.size, samples, cache, progress)?;
         Ok(Look {
             picture,

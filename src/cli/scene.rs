@@ -202,7 +202,7 @@ fn pair(text: &str) -> Option<(&str, &str)> {
 
 /// The defaults with what a settings file changes, whose values are those of `--set`; or what is wrong with it.
 fn from_file(path: &Path) -> Result<Settings, String> {
-    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let text = crate::files::read_text(path).map_err(|e| e.to_string())?;
     let table: toml::Table = text.parse().map_err(|e: toml::de::Error| e.to_string())?;
     let mut settings = Settings::default();
     for (key, value) in &table {

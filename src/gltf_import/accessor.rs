@@ -33,7 +33,7 @@ struct Replaced<'a> {
     values: &'a [u8],
 }
 
-/// More elements than this without data behind them are a mistake rather than a model.
+/// More elements than this without data behind them, of all accessors whenever they are read, are a mistake rather than a model.
 const MAX_ZERO_ELEMENTS: u64 = 1 << 26;
 
 impl Source {
@@ -113,9 +113,10 @@ impl Source {
             }
             let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
             base = Some(self.fitting(bytes, offset, accessor.count.0, stride, size, element)?);
-        } else if accessor.count.0 > MAX_ZERO_ELEMENTS {
+        } else if self.zeros(accessor.count.0) > MAX_ZERO_ELEMENTS {
             let problem = format!(
-                "has no bufferView and {} elements, more than is plausible; add the bufferView or correct the count",
+                "has no bufferView and {} elements, with which so many are read without data, more than is plausible; add the \
+                 bufferView or correct the count",
                 accessor.count.0
             );
             return Err(self.error(element(), problem));

@@ -77,7 +77,7 @@ pub(super) struct Document {
 
 /// Reads and parses a file, and judges its version and extensions.
 pub(super) fn read(path: &Path, warnings: &mut Warnings) -> Result<Document, ImportError> {
-    let bytes = std::fs::read(path).map_err(|source| ImportError::Read {
+    let bytes = crate::files::read(path).map_err(|source| ImportError::Read {
         file: path.to_owned(),
         source,
     })?;

@@ -7,12 +7,17 @@ use image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+/// Most texels of all images together, as many as a scene can have.
+const MOST_TEXELS: u64 = i32::MAX as u64;
 
 /// Decodes the given images in parallel; the result is in their order. An error is a warning for the user.
 pub(super) fn decode(
     source: &Source,
     images: &[json::Index<json::Image>],
 ) -> Vec<Result<Texture, String>> {
+    let texels = AtomicU64::new(0);
     images
         .par_iter()
         .map(|&index| {
@@ -22,7 +27,7 @@ pub(super) fn decode(
                 .images
                 .get(index.value())
                 .ok_or_else(|| format!("{} does not exist", name()))?;
-            read(source, index, image).map_err(|problem| {
+            read(source, index, image, &texels).map_err(|problem| {
                 format!(
                     "{}: {}: {problem}; surfaces keep their plain factor",
                     source.file.display(),
@@ -37,6 +42,7 @@ fn read(
     source: &Source,
     index: json::Index<json::Image>,
     image: &json::Image,
+    texels: &AtomicU64,
 ) -> Result<Texture, String> {
     let (bytes, place): (Cow<[u8]>, String) = match (image.buffer_view, &image.uri) {
         (Some(view), _) => {
@@ -54,6 +60,17 @@ fn read(
         (None, None) => return Err("has neither a uri nor a bufferView; add one".to_owned()),
     };
     let format = format(&bytes).map_err(|problem| format!("{place}{problem}"))?;
+    let size = ImageReader::with_format(Cursor::new(bytes.as_ref()), format).into_dimensions();
+    let [width, height] = match size {
+        Ok((width, height)) => [width, height].map(u64::from),
+        Err(e) => return Err(format!("{place}cannot be decoded: {e}; save it again")),
+    };
+    let own = width.saturating_mul(height);
+    if texels.fetch_add(own, Relaxed).saturating_add(own) > MOST_TEXELS {
+        return Err(format!(
+            "{place}has {width}x{height} texels, with which all images have more than {MOST_TEXELS}; make some smaller"
+        ));
+    }
     // The reader's default limits refuse images of more than 512 MiB.
     let decoded = ImageReader::with_format(Cursor::new(bytes), format).decode();
     let rgba = decoded

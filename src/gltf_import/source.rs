@@ -5,6 +5,7 @@ use super::error::ImportError;
 use gltf::json;
 use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// A document with its buffers in memory.
 pub(super) struct Source {
@@ -15,6 +16,8 @@ pub(super) struct Source {
     value: Value,
     /// Content per buffer; `None` where nothing was stored (see [`buffers::load`]).
     buffers: Vec<Option<Vec<u8>>>,
+    /// Elements of accessors that were opened so far without data behind them.
+    zeros: AtomicU64,
 }
 
 impl Source {
@@ -32,7 +35,14 @@ impl Source {
             root,
             value,
             buffers,
+            zeros: AtomicU64::new(0),
         })
+    }
+
+    /// Counts elements without data behind them, on top of those before; gives all.
+    pub(super) fn zeros(&self, more: u64) -> u64 {
+        let before = self.zeros.fetch_add(more, Relaxed);
+        before.saturating_add(more)
     }
 
     /// An error about a part of the document.

@@ -13,8 +13,9 @@ impl BlockMeans {
     /// Of the outputs `points` and `irradiance` of a frame. Blocks with fewer surfaces than [`BLOCK_MIN_PIXELS`] have
     /// none.
     pub fn of(points: &[SurfacePoint], irradiance: &[Vec4], width: usize) -> Self {
+        let width = width.clamp(1, points.len().max(1));
         let across = width.div_ceil(BLOCK);
-        let down = points.len().div_ceil(width.max(1)).div_ceil(BLOCK);
+        let down = points.len().div_ceil(width).div_ceil(BLOCK);
         let mut sums = vec![(0.0, 0_usize); across * down];
         for (i, (point, e)) in points.iter().zip(irradiance).enumerate() {
             if surface::is_surface(point) {

@@ -87,7 +87,11 @@ impl FrameMeter {
         if let Some(times) = renderer.executable().timings()? {
             groups_ms.resize(self.groups.len(), 0.0);
             for time in times {
-                groups_ms[self.of_step[time.step]] += time.time.as_secs_f64() * 1e3;
+                // Of a step that another schedule has, nothing is known.
+                let group = self.of_step.get(time.step);
+                if let Some(sum) = group.and_then(|group| groups_ms.get_mut(*group)) {
+                    *sum += time.time.as_secs_f64() * 1e3;
+                }
             }
         }
         let now = renderer.counters()?;

@@ -114,7 +114,7 @@ impl CameraPath {
     /// [`PathError`] names the file, the field and its value, and says what to write instead.
     pub fn load(file: impl AsRef<Path>, camera: &Camera) -> Result<Self, PathError> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file).map_err(|source| PathError::Read {
+        let text = crate::files::read_text(file).map_err(|source| PathError::Read {
             file: file.to_owned(),
             source,
         })?;

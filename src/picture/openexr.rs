@@ -1,6 +1,5 @@
 //! OpenEXR files: every channel, 32-bit float, without loss.
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
@@ -43,7 +42,7 @@ impl Picture {
     pub fn read_exr_with_notes(
         path: &Path,
     ) -> Result<(Self, BTreeMap<String, String>), PictureError> {
-        let bytes = fs::read(path).map_err(|source| match source.kind() {
+        let bytes = crate::files::read(path).map_err(|source| match source.kind() {
             ErrorKind::NotFound => PictureError::Missing {
                 path: path.to_owned(),
             },

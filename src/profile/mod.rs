@@ -158,7 +158,7 @@ impl Profile {
     /// [`ProfileError::Read`], [`ProfileError::Parse`], [`ProfileError::Format`], [`ProfileError::Empty`],
     /// [`ProfileError::Figure`].
     pub fn read(path: &Path) -> Result<Vec<Self>, ProfileError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ProfileError::Read {
+        let text = crate::files::read_text(path).map_err(|source| ProfileError::Read {
             path: path.to_owned(),
             source,
         })?;

@@ -194,7 +194,7 @@ impl View {
     /// [`ViewError`] names the file, the field and its value, and says what to write instead.
     pub fn load(path: impl AsRef<Path>) -> Result<View, ViewError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| ViewError::Read {
+        let text = crate::files::read_text(path).map_err(|source| ViewError::Read {
             file: path.to_owned(),
             source,
         })?;

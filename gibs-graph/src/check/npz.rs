@@ -163,7 +163,7 @@ impl<R: Read + Seek> Reader<R> {
             .checked_mul(u64::from(element.size()))
             .ok_or_else(|| format!("`{name}` cannot have {len} elements"))?;
         // A header is as long as the type is: some kilobytes.
-        let whole = self.file(&format!("{name}.npy"), bytes.saturating_add(1 << 16))?;
+        let mut whole = self.file(&format!("{name}.npy"), bytes.saturating_add(1 << 16))?;
         let mut rest = whole.as_slice();
         check_header(rest).map_err(|problem| format!("`{name}`: {problem}"))?;
         let header = NpyHeader::from_reader(&mut rest).map_err(|e| format!("`{name}`: {e}"))?;
@@ -180,13 +180,14 @@ impl<R: Read + Seek> Reader<R> {
         if header.order() != Order::C && shape.len() > 1 {
             return Err(format!("`{name}` is in Fortran order"));
         }
-        match rest.len() as u64 == bytes {
-            true => Ok(rest.to_vec()),
-            false => Err(format!(
-                "`{name}` has {} bytes of data instead of {bytes}",
-                rest.len()
-            )),
+        let data = rest.len();
+        if data as u64 != bytes {
+            return Err(format!(
+                "`{name}` has {data} bytes of data instead of {bytes}"
+            ));
         }
+        whole.drain(..whole.len() - data);
+        Ok(whole)
     }
 }
 

@@ -89,6 +89,10 @@ fn collected(tree: &TwoLevel, materials: &[Material]) -> Vec<Emitter> {
 /// Corners that are closer than this share of the largest coordinate are one: four roundings of it.
 const SAME_PLACE: f32 = 1.0 / 4_194_304.0;
 
+/// Most triangles about as far along that turn out to lie elsewhere before the search for a twin is given up: more than there are where
+/// coordinates have a few digits left, and few enough where they have none.
+const MOST_OTHERS: usize = 256;
+
 /// Takes out every triangle that has the same corners as one before it, in whatever order and up to rounding.
 fn drop_twins(emitters: &mut Vec<Emitter>) {
     let corners: Vec<[Vec3; 3]> = emitters
@@ -106,6 +110,10 @@ fn drop_twins(emitters: &mut Vec<Emitter>) {
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut twins = vec![false; corners.len()];
     for (k, &(at, i)) in along.iter().enumerate() {
+        // Its own twins are those of the one that it is a twin of.
+        if twins[i] {
+            continue;
+        }
         let largest = corners[i]
             .iter()
             .fold(0.0f32, |m, c| m.max(c.abs().max_element()));
@@ -114,9 +122,18 @@ fn drop_twins(emitters: &mut Vec<Emitter>) {
         let near = along[k + 1..]
             .iter()
             .take_while(|(other, _)| other - at <= 8.0 * slack);
+        let mut others = 0;
         for &(_, j) in near {
+            if twins[j] {
+                continue;
+            }
             if coincide(&corners[i], &corners[j], slack) {
                 twins[i.max(j)] = true;
+                continue;
+            }
+            others += 1;
+            if others == MOST_OTHERS {
+                break;
             }
         }
     }
@@ -180,5 +197,16 @@ mod tests {
         let mut emitters = apart.to_vec();
         drop_twins(&mut emitters);
         assert_eq!(emitters, apart);
+        // Many copies of a few, in turns; and so far away that all lie in one place.
+        let mut many: Vec<Emitter> = (0..40_000).map(|i| apart[i % 4]).collect();
+        drop_twins(&mut many);
+        assert_eq!(many, apart);
+        let far = |i: usize| {
+            Vec3::splat(1e9) + Vec3::new(0.0, 64.0 * (i % 200) as f32, 64.0 * (i / 200) as f32)
+        };
+        let far = |i: usize| [far(i), far(i) + 128.0 * Vec3::X, far(i) + 128.0 * Vec3::Y];
+        let mut all: Vec<Emitter> = (0..40_000).map(|i| triangle(far(i))).collect();
+        drop_twins(&mut all);
+        assert!(!all.is_empty());
     }
 }

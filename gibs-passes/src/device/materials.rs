@@ -1,12 +1,29 @@
 //! Materials and textures into packed storage.
 use crate::data::{Material, NONE};
-use crate::scene::{self, AlphaMode, Sampler, Sound, Texture, TextureRef, Wrap};
+use crate::scene::{self, AlphaMode, Sampler, SceneDataError, Sound, Texture, TextureRef, Wrap};
 use crate::shared::texture;
 use glam::Vec3;
 use std::collections::HashMap;
 
+/// Most texels of all textures together: kernels know them by signed indices.
+const MOST_TEXELS: u64 = i32::MAX as u64;
+
 /// Device materials, and the texels of all textures that they use.
-pub(super) fn pack(scene: &Sound<'_>) -> (Vec<Material>, Vec<u32>) {
+///
+/// # Errors
+/// [`SceneDataError::Value`] of textures with more texels than kernels can tell apart.
+pub(super) fn pack(scene: &Sound<'_>) -> Result<(Vec<Material>, Vec<u32>), SceneDataError> {
+    let sizes = scene.textures.iter();
+    let sizes = sizes.map(|t| u64::from(t.width) * u64::from(t.height));
+    let all = sizes.fold(texture::srgb_table().len() as u64, u64::saturating_add);
+    if all > MOST_TEXELS {
+        return Err(SceneDataError::Value {
+            element: format!("all {} textures", scene.textures.len()),
+            what: "number of texels".into(),
+            value: all.to_string(),
+            expected: "below 2^31; make some smaller, or leave them out",
+        });
+    }
     let mut texels = texture::srgb_table().to_vec();
     let mut placed: HashMap<u32, u32> = HashMap::new();
     let materials = scene
@@ -14,7 +31,7 @@ pub(super) fn pack(scene: &Sound<'_>) -> (Vec<Material>, Vec<u32>) {
         .iter()
         .map(|m| material(scene.textures, m, &mut texels, &mut placed))
         .collect();
-    (materials, texels)
+    Ok((materials, texels))
 }
 
 fn material(

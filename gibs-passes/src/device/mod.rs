@@ -67,7 +67,7 @@ impl DeviceScene {
         check_pose(scene, pose)?;
         let sound = scene.sound().map_err(DeviceSceneError::Scene)?;
         let outside = Outside::check(sun, environment)?;
-        let (materials, texels) = materials::pack(&sound);
+        let (materials, texels) = materials::pack(&sound).map_err(DeviceSceneError::Scene)?;
         let mut geometry = geometry::build(&sound, pose, origin)?;
         let emitters = EmitterTable::build(&geometry.tree, &materials);
         let mut geometry_warnings = sound.warnings;

@@ -88,7 +88,7 @@ impl<'a> Depths<'a> {
 /// Texels of a depth function with so many along each side.
 #[inline]
 pub fn count(side: u32) -> usize {
-    (side * side) as usize
+    side as usize * side as usize
 }
 
 /// Whether a depth function of these texels hides nothing within the radius: in no direction is the mean distance shorter.

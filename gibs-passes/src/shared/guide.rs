@@ -24,7 +24,7 @@ pub const MOST_WORDS: usize = words(MOST_SIDE);
 /// have four texels each, row by row, the first in the lowest byte.
 #[inline]
 pub const fn words(side: u32) -> usize {
-    1 + (side * side / 4) as usize
+    1 + side as usize * side as usize / 4
 }
 
 /// Share of the cosine lobe in a texel, by its distances from the nearest edges: what its luminance counts in irradiance. A
@@ -145,7 +145,7 @@ impl<'a> Guide<'a> {
     /// Texels.
     #[inline]
     pub fn texels(&self) -> u32 {
-        self.side * self.side
+        self.side.saturating_mul(self.side)
     }
 
     /// Rays that it has learned from, up to 4092; none where it is not that of the surfel with this identity.

@@ -159,7 +159,7 @@ impl AboutTruth {
         };
         text += &match self.step {
             1 => "every pixel".to_string(),
-            step => format!("one of {} pixels", step * step),
+            step => format!("one of {} pixels", u64::from(step).pow(2)),
         };
         if let Some(samples) = self.samples {
             text += &format!(", {samples} samples");

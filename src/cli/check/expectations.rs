@@ -16,7 +16,7 @@ pub fn load(file: &Path) -> Result<Expectations, CommandError> {
             problem,
         })
     };
-    let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+    let text = crate::files::read_text(file).map_err(|e| wrong(e.to_string()))?;
     let expectations: Expectations = toml::from_str(&text).map_err(|e| wrong(e.to_string()))?;
     for expectation in &expectations.expected {
         if let Some(problem) = problem_with(expectation) {

@@ -100,3 +100,29 @@ fn compressed_vertices_with_a_plain_copy_are_read_from_it() {
         "{error}"
     );
 }
+
+/// A few bytes of JSON would otherwise ask for any memory: an accessor without data counts each time that it is read.
+#[test]
+fn elements_without_data_have_one_budget() {
+    let with_primitives = |count: usize| {
+        let mut gltf = Gltf::triangle();
+        // A multiple of three, so that five are within 2^26 and six are not.
+        let indices = gltf.accessor(UNSIGNED_BYTE, "SCALAR", 3, &[0, 1, 2]);
+        let accessor = &mut gltf.root["accessors"][indices];
+        accessor.as_object_mut().unwrap().remove("bufferView");
+        accessor["count"] = json!(3 * (1 << 22));
+        let mut primitive = gltf.primitive().clone();
+        primitive["indices"] = json!(indices);
+        gltf.root["meshes"][0]["primitives"] = json!(vec![primitive; count]);
+        gltf.try_import()
+    };
+    let Err(error) = with_primitives(6) else {
+        panic!("so many are accepted");
+    };
+    let text = error.to_string();
+    assert!(
+        text.contains("no bufferView and 12582912 elements") && text.contains("accessors["),
+        "{text}"
+    );
+    assert!(with_primitives(1).is_ok());
+}

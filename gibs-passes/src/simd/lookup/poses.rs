@@ -238,7 +238,10 @@ fn moments(depths: Depths<'_>, ids: &[u32; 8], local: &Lanes3) -> [__m256; 2] {
         _mm256_set1_ps(1.0),
     );
     let count = depth::count(depths.side());
-    assert!((1..=64).contains(&count), "{count} texels");
+    assert!(
+        (1..=64).contains(&count),
+        "{count} texels of a depth function, of which a lookup takes up to 64"
+    );
     let side = _mm256_set1_ps(depths.side() as f32);
     let last = _mm256_set1_ps(depths.side() as f32 - 1.0);
     let place = |unit: __m256| _mm256_sub_ps(_mm256_mul_ps(unit, side), half);
