@@ -15,11 +15,11 @@ pub struct EqualError {
     pub metric: &'static str,
     /// Its error there.
     pub error: Mean,
-    /// Whether path tracing got there with every seed. Where not, the figures below are those of the most that was tried, and
-    /// what is needed is more.
-    pub reached: bool,
-    /// Whether one sample per pixel was better than sought with some seed: then the figures below are more than what is needed.
-    pub fewer: bool,
+    /// Seeds with which path tracing did not get there. Their part in the figures below is the most that was tried, and what is
+    /// needed is more.
+    pub unreached: u32,
+    /// Seeds with which one sample per pixel was better than sought: their part is one sample, and what is needed is less.
+    pub fewer: u32,
     /// Samples per pixel.
     pub samples: Mean,
     /// Rays.
@@ -234,14 +234,15 @@ pub(super) fn over_seeds(baseline: &str, all: &[Vec<Needed>]) -> Vec<EqualError>
     let of = |i: usize| {
         let each = || all.iter().filter_map(move |seed| seed.get(i));
         let mean = |value: fn(&Needed) -> f64| Mean::of(each().map(value));
+        let seeds = |is: fn(&Need) -> bool| each().filter(|n| is(&n.need)).count() as u32;
         let one = each().next()?;
         Some(EqualError {
             baseline: baseline.into(),
             frames: one.frames,
             metric: one.metric,
             error: mean(|n| n.error),
-            reached: each().all(|n| n.need.reached),
-            fewer: each().any(|n| n.need.fewer),
+            unreached: seeds(|need| !need.reached),
+            fewer: seeds(|need| need.fewer),
             samples: mean(|n| n.need.samples),
             rays: mean(|n| n.rays),
             seconds: mean(|n| n.seconds),

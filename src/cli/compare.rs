@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::compare::{
-    CompareError, CompareOptions, HEAT_FULL_SCALE, HalvesDoubt, Report, compare, halves_doubt,
-    noise_floor,
+    CompareError, CompareOptions, HEAT_FULL_SCALE, HalvesDoubt, Metrics, Report, compare,
+    halves_doubt, noise_floor,
 };
 use crate::picture::{FINAL_IMAGE, Format, Picture, PictureError, ensure_writable, write_png};
 
@@ -115,20 +115,12 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             truth: args.truth.clone(),
             source,
         })?;
-    let mut doubted = None;
     if let Some([half_a, half_b]) = args.halves.as_deref() {
-        let (a, b) = read_both(half_a, half_b)?;
         let options = CompareOptions {
             exposure: Some(report.exposure),
             ..options
         };
-        let noise = noise_floor(&a, &b, &truth, &options);
-        let noise = noise.map_err(|source| CompareCommandError::Halves {
-            half_a: half_a.clone(),
-            half_b: half_b.clone(),
-            source,
-        })?;
-        doubted = halves_doubt(&a, &b, &truth, &noise, &options);
+        let noise = noise_of([half_a, half_b], &truth, &args.truth, &options)?;
         report.noise = Some(noise);
     }
     if let Some(out) = &args.out {
@@ -142,16 +134,6 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             args.truth.display()
         );
     }
-    match doubted {
-        Some(HalvesDoubt::Alike) => {
-            warning!("--halves: both halves are the same, and tell nothing of the truth's noise");
-        }
-        Some(HalvesDoubt::OfAnother { rel_mse }) => warning!(
-            "--halves: their mean is another picture than {} (relMSE {rel_mse:.2e}); are they halves of it?",
-            args.truth.display()
-        ),
-        None => {}
-    }
     if report.passed() {
         Ok(())
     } else {
@@ -161,6 +143,33 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             channel: args.channel,
         })
     }
+}
+
+/// The noise of a truth by its halves, with a warning of those that are none.
+pub(super) fn noise_of(
+    [half_a, half_b]: [&Path; 2],
+    truth: &Picture,
+    path: &Path,
+    options: &CompareOptions,
+) -> Result<Metrics, CompareCommandError> {
+    let (a, b) = read_both(half_a, half_b)?;
+    let noise = noise_floor(&a, &b, truth, options);
+    let noise = noise.map_err(|source| CompareCommandError::Halves {
+        half_a: half_a.to_owned(),
+        half_b: half_b.to_owned(),
+        source,
+    })?;
+    match halves_doubt(&a, &b, truth, &noise, options) {
+        Some(HalvesDoubt::Alike) => {
+            warning!("--halves: both halves are the same, and tell nothing of the truth's noise");
+        }
+        Some(HalvesDoubt::OfAnother { rel_mse }) => warning!(
+            "--halves: their mean is another picture than {} (relMSE {rel_mse:.2e}); are they halves of it?",
+            path.display()
+        ),
+        None => {}
+    }
+    Ok(noise)
 }
 
 /// The layer that a `--channel` names: `RGB` in any case is the final image.

@@ -1,6 +1,7 @@
 //! Options that several commands share: the scene, the view, the settings.
 use super::CommandError;
 use super::output::warning;
+use crate::renderer::MOST_PIXELS;
 use crate::view::View;
 use crate::{builtin, gltf_import};
 use gibs_passes::frame::{ELEMENTS, Settings, TechniqueElement};
@@ -25,7 +26,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text
         .split_once('x')
         .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    parsed.ok_or_else(|| "give width and height in pixels, such as 960x540".into())
+    let Some(size) = parsed else {
+        return Err("give width and height in pixels, such as 960x540".into());
+    };
+    match size.iter().all(|side| (1..=MOST_PIXELS).contains(side)) {
+        true => Ok(size),
+        false => Err(format!("each side takes 1 to {MOST_PIXELS} pixels")),
+    }
 }
 
 /// A scene, how it is seen, and at what size.

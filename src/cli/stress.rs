@@ -214,11 +214,20 @@ fn table(run: &Run, args: &Args) -> String {
     };
     text += &match run.converged.iter().chain(&run.settled).flatten().next() {
         Some(at) => format!(
-            "{word} after {}, {:.2} s: from there on the block error against {} stays below {limit} %\n",
+            "{word} after {}, {}: from there on the block error against {} stays below {limit} %\n",
             counted(at.frames as u64, "frame"),
-            at.seconds,
+            match at.seconds {
+                short if short < 1.0 => format!("{:.1} ms", short * 1e3),
+                long => format!("{long:.2} s"),
+            },
             run.against
         ),
+        None if rows.iter().all(|row| row.error.is_none()) => {
+            format!(
+                "no indirect light: there is no block error against {}\n",
+                run.against
+            )
+        }
         None => format!(
             "not {word} after {} frames: the block error against {} does not stay below {limit} %\n",
             rows.len(),
@@ -235,7 +244,7 @@ fn table(run: &Run, args: &Args) -> String {
         totals.surfels,
         totals.slot_errors
     );
-    text += "\n frames      error    MAPE    live  births  frame ms";
+    text += "\nAfter so many frames: error, MAPE and live surfels; births and medians of times since the row above.\n frames      error    MAPE    live  births  frame ms";
     for group in &run.stress.groups {
         text += &format!(" {group:>10}");
     }

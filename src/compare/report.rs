@@ -137,12 +137,6 @@ impl fmt::Display for Report {
                 writeln!(f, "  {count} {reason}")?;
             }
         }
-        if let Some(elsewhere) = self.elsewhere.filter(|count| *count > 0) {
-            writeln!(
-                f,
-                "  {elsewhere} of them show another surface in our picture"
-            )?;
-        }
         if self.averaged > 1 {
             let how = match self.centers {
                 true => "thinned out",

@@ -24,6 +24,14 @@ pub enum ProfileError {
         /// What is wrong.
         source: serde_json::Error,
     },
+    /// It is JSON of something else.
+    #[error("{} is {found}, no profile; write one with `gibs profile SCENE --json`", path.display())]
+    Other {
+        /// File.
+        path: PathBuf,
+        /// What it is.
+        found: &'static str,
+    },
     /// It is of another version.
     #[error(
         "the profile {} has the format {found}, this program reads {FORMAT}; write it anew with `gibs profile SCENE --json`",

@@ -252,14 +252,18 @@ impl Samples {
             .map(|(wall, steps)| steps.iter().flatten().sum::<f64>() / wall.max(1e-9))
             .collect();
         let steps_ms = self.all();
-        let pairs = self.timed.iter().flatten();
-        let pairs = pairs.copied().zip(self.untimed.iter().flatten().copied());
+        let runs = self.timed.iter().zip(&self.untimed);
+        let pairs = runs.map(|(timed, untimed)| {
+            let pairs = timed.iter().copied().zip(untimed.iter().copied());
+            pairs.collect()
+        });
+        let pairs: Vec<Vec<(f64, f64)>> = pairs.collect();
         FrameCost {
             wall_ms: Figure::of(&self.timed),
             covered: steps_ms.as_ref().map(|_| quantile(&shares, 0.5)),
             steps_ms,
             tracing_ms: self.sum(&tracing),
-            overhead: Interval::of_pairs(pairs),
+            overhead: Interval::of_paired_runs(&pairs),
         }
     }
 }

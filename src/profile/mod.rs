@@ -155,7 +155,7 @@ impl Profile {
     /// Reads profiles that `gibs profile --json` printed.
     ///
     /// # Errors
-    /// [`ProfileError::Read`], [`ProfileError::Parse`], [`ProfileError::Format`], [`ProfileError::Empty`],
+    /// [`ProfileError::Read`], [`ProfileError::Parse`], [`ProfileError::Other`], [`ProfileError::Format`], [`ProfileError::Empty`],
     /// [`ProfileError::Figure`].
     pub fn read(path: &Path) -> Result<Vec<Self>, ProfileError> {
         let text = crate::files::read_text(path).map_err(|source| ProfileError::Read {
@@ -166,8 +166,22 @@ impl Profile {
             path: path.to_owned(),
             source,
         };
-        let values: Vec<serde_json::Value> = serde_json::from_str(&text).map_err(wrong)?;
+        let all: serde_json::Value = serde_json::from_str(&text).map_err(wrong)?;
+        let other = |found| ProfileError::Other {
+            path: path.to_owned(),
+            found,
+        };
+        let serde_json::Value::Array(values) = all else {
+            return Err(other(match () {
+                () if all.get("traceEvents").is_some() => "a trace",
+                () if all.get("measured").is_some() => "a report of `gibs bench`",
+                () => "JSON of something else",
+            }));
+        };
         for value in &values {
+            if value.get("gibs_profile").is_none() {
+                return Err(other("JSON of something else"));
+            }
             let format = &value["gibs_profile"];
             if *format != FORMAT {
                 return Err(ProfileError::Format {

@@ -89,6 +89,16 @@ impl Interval {
         Self::around(mean, (variance / count as f64).sqrt(), count.max(1) - 1)
     }
 
+    /// The ratio of values that are paired within runs: of three runs and more by the Student interval of the runs' means, so that
+    /// what runs differ by is in it; of fewer by that of all pairs, in which it is not.
+    pub fn of_paired_runs(runs: &[Vec<(f64, f64)>]) -> Self {
+        if runs.len() < LEAST_RUNS {
+            return Self::of_pairs(runs.iter().flatten().copied());
+        }
+        let mean = |run: &Vec<(f64, f64)>| (Self::of_pairs(run.iter().copied()).ratio, 1.0);
+        Self::of_pairs(runs.iter().map(mean))
+    }
+
     /// The ratio of the means of two independent samples, by Welch's interval on their logarithms: B. L. Welch, "The
     /// generalization of Student's problem when several different population variances are involved", 1947.
     pub fn of_samples(new: &[f64], old: &[f64]) -> Self {

@@ -6,6 +6,9 @@ use std::fmt::Write;
 /// Share of the steps' time below which a stage has no line of its own.
 const SMALL: f64 = 0.005;
 
+/// A frame with timed steps over one without, from which on it is said that timing counts.
+const MUCH: f64 = 1.02;
+
 /// A profile as a table: groups and their stages, or every step where `steps` is set.
 pub fn table(profile: &Profile, steps: bool) -> String {
     let mut text = heading(profile);
@@ -71,6 +74,9 @@ fn heading(profile: &Profile) -> String {
         ),
         _ => writeln!(text, "; the device measures no time of steps"),
     };
+    if frame.overhead.bounds.is_some_and(|[low, _]| low > MUCH) {
+        text += "timing takes a part of these short steps that counts; larger pictures and more rays make it smaller\n";
+    }
     if let Some(tracing) = frame.tracing_ms.as_ref().filter(|ms| ms.median > 0.0) {
         let _ = writeln!(
             text,
@@ -173,7 +179,7 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
     let _ = writeln!(
         text,
         "Intervals come from how the medians of {} before and {now} now differ; what changed on the machine between \
-         the two is not in them. One in twenty rows leaves its interval by chance.",
+         the two is not in them. Of twenty rows in which nothing changed, one is called faster or slower by chance.",
         counted(before, "run")
     );
     text
@@ -192,10 +198,13 @@ pub fn saving_table(savings: &[Saving], stages: bool) -> String {
             let memory = signed_bytes(need.bytes);
             let time = saving.time.map(|time| {
                 let (ms, ratio) = (time.ms, percent(&time.ratio));
-                format!(
-                    ", {ms:+.2} ms on a frame of {:.2} ({ratio})",
-                    time.without_ms
-                )
+                let told = format!("{ms:+.2} ms on a frame of {:.2} ({ratio})", time.without_ms);
+                match time.ratio.bounds {
+                    Some([low, high]) if low <= 1.0 && high >= 1.0 => {
+                        format!(", no time that can be told from noise: {told}")
+                    }
+                    _ => format!(", {told}"),
+                }
             });
             let _ = writeln!(
                 text,

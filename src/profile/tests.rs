@@ -150,6 +150,15 @@ fn intervals_hold_what_they_should() {
     assert!(1.9 < low && high < 2.1 && (twice.ratio - 2.0).abs() < 1e-9);
     assert_eq!(Interval::of_samples(&[1.0], &[1.0]).bounds, None);
     // Pairs that always differ by as much leave no doubt, however much they vary.
+    // Runs of pairs that agree within each and not with each other: the interval is that of three values, not of thirty.
+    let runs = [0.9, 1.0, 1.1].map(|ratio: f64| vec![(ratio, 1.0); 10]);
+    let of_runs = Interval::of_paired_runs(&runs);
+    let own = Interval::of_pairs([(0.9, 1.0), (1.0, 1.0), (1.1, 1.0)].into_iter());
+    let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+    let ([a, b], [c, d]) = (of_runs.bounds.unwrap(), own.bounds.unwrap());
+    assert!(close(of_runs.ratio, own.ratio) && close(a, c) && close(b, d));
+    let two = Interval::of_paired_runs(&runs[..2]);
+    assert!(two.bounds.unwrap()[1] < b, "{two:?}");
     let pairs = Interval::of_pairs([(2.0, 1.0), (20.0, 10.0), (6.0, 3.0)].into_iter());
     let [low, high] = pairs.bounds.unwrap();
     assert!((low - 2.0).abs() < 1e-9 && (high - 2.0).abs() < 1e-9);

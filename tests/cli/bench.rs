@@ -122,7 +122,10 @@ fn elements_are_measured_beside_path_tracing() {
     assert_eq!(equal.len(), 4);
     for each in equal {
         assert!(each["times"]["mean"].as_f64().unwrap() > 0.0, "{each}");
-        assert!(each["reached"].is_boolean(), "{each}");
+        assert!(
+            each["unreached"].is_u64() && each["fewer"].is_u64(),
+            "{each}"
+        );
     }
 
     let files = Folder::at(&report);
@@ -274,6 +277,14 @@ fn what_does_not_fit_is_refused() {
         "--truth",
         &truth,
     ];
+    let halves = ["--halves", truth.as_str(), truth.as_str()];
+    let output = gibs(&[&FEW[..14], &more, &halves].concat());
+    let (message, text) = (stderr(&output), stdout(&output));
+    assert!(message.contains("both halves are the same"), "{message}");
+    assert!(
+        text.contains("of whose noise alone a picture without errors has relMSE 0"),
+        "{text}"
+    );
     let text = succeed(&[&FEW[..14], &more].concat());
     assert!(text.contains("one of 25 pixels, standard error"), "{text}");
     assert!(text.contains("; errors are of "), "{text}");
@@ -312,11 +323,19 @@ fn what_does_not_fit_is_refused() {
         &["--elements", "`gravity`", "sharing"],
     );
     refused(
+        &["bench", "cornell", "--elements", "none,depth"],
+        &["--elements", "`none` stands alone"],
+    );
+    refused(
         &["bench", "--backends", "cpu,abacus"],
         &["abacus", "wgpu", "all"],
     );
     refused(&["bench", "--search=-1"], &["--search", "86400"]);
     refused(&["bench", "--pictures"], &["--report"]);
+    refused(
+        &["bench", "cornell", "--halves", &truth, &truth],
+        &["--truth"],
+    );
     refused(&["bench", "--cache", "x", "--no-cache"], &["--no-cache"]);
 }
 

@@ -128,6 +128,16 @@ fn what_is_no_profile_is_refused_before_anything_is_measured() {
         &small(&["--against", &wrong]),
         &["wrong.json", "gibs profile"],
     );
+    let trace = folder.write("trace.json", "{\"traceEvents\": []}");
+    refused(
+        &small(&["--against", &trace]),
+        &["trace.json is a trace, no profile", "gibs profile"],
+    );
+    let stress = folder.write("stress.json", "[{\"scene\": \"cornell\"}]");
+    refused(
+        &small(&["--against", &stress]),
+        &["stress.json is JSON of something else"],
+    );
     let absent = folder.path("absent.json");
     refused(
         &small(&["--against", &absent]),

@@ -109,6 +109,13 @@ fn a_stress_test_refuses_truths_of_other_sizes_and_doubts_those_of_other_scenes(
         doubted.contains("truth.exr: ") && doubted.contains("another surface"),
         "{doubted}"
     );
+    // Without light there is no error, and nothing that might settle.
+    let dark = ["stress", "cornell", "--backend", "cpu", "--size", "32x32"];
+    let text = succeed(&[&dark[..], &["--frames", "3", "--rays", "0"]].concat());
+    assert!(
+        text.contains("no indirect light") && !text.contains("settled"),
+        "{text}"
+    );
     refused(&stress("64x64"), &["truth.exr", "2 times as large"]);
     refused(&stress("40x32"), &["truth.exr", "40x32"]);
 }

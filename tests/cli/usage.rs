@@ -69,6 +69,10 @@ fn bad_sizes_say_what_is_taken() {
         );
     }
     assert!(folder.names().is_empty(), "{:?}", folder.names());
+    refused(
+        &["bench", "cornell", "--size", "0x5"],
+        &["0x5", "1 to 8192"],
+    );
 }
 
 /// A minus does not make an option of a number.

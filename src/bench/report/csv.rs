@@ -71,7 +71,7 @@ fn or_empty(value: Option<impl ToString>) -> String {
 
 /// What path tracing needs for equal error, a line for each scene, backend, baseline, number of frames and metric.
 pub fn equal_error_csv(all: &[Measured]) -> String {
-    let mut text = String::from("scene,backend,baseline,frames,metric,reached,fewer");
+    let mut text = String::from("scene,backend,baseline,frames,metric,seeds_unreached,seeds_fewer");
     for name in ["error", "samples", "rays", "seconds", "times"] {
         text += &format!(",{name},{name}_standard_error,{name}_interval");
     }
@@ -85,7 +85,7 @@ pub fn equal_error_csv(all: &[Measured]) -> String {
                 quoted(&equal.baseline),
                 equal.frames,
                 equal.metric,
-                equal.reached,
+                equal.unreached,
                 equal.fewer
             );
             let figures = [

@@ -1,6 +1,6 @@
 //! The report as one file that a browser opens, with plots and pictures in it.
 use super::sections::{pictures, plots, tables};
-use super::table::{asked, bound, missed, rounded, times, with_interval};
+use super::table::{asked, missed, rounded, times, with_interval};
 use super::{BenchReport, Measured, heading};
 use crate::bench::{EqualError, Kind};
 use crate::html::{escaped, page};
@@ -111,11 +111,12 @@ fn summary(body: &mut String, all: &[Measured]) {
                 let of = |e: &&EqualError| {
                     e.baseline == baseline && e.frames == frames && e.metric == "rel_mse"
                 };
-                measured
-                    .equal_error
-                    .iter()
-                    .find(of)
-                    .map(|equal| format!("{}{} times", escaped(bound(equal)), times(equal)))
+                measured.equal_error.iter().find(of).map(|equal| {
+                    match (equal.unreached, equal.fewer) {
+                        (1.., 1..) => escaped(&times(equal)),
+                        _ => escaped(&format!("{} times", times(equal))),
+                    }
+                })
             };
             let _ = write!(
                 body,

@@ -13,11 +13,12 @@ pub use plots::plots;
 pub use table::{equal_error_table, table};
 
 use super::{EqualError, Pictures, Row};
-use crate::compare::MaskCounts;
+use crate::compare::{MaskCounts, Metrics};
 use crate::words::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use table::rounded;
 
 /// Everything that a run of the command measured.
 #[derive(Clone, Debug, Serialize)]
@@ -111,6 +112,8 @@ pub struct AboutTruth {
     pub samples: Option<u32>,
     /// Standard error per pixel over the mean, where known.
     pub standard_error: Option<f64>,
+    /// The errors of a picture without any, where halves of the truth tell: its own noise.
+    pub noise: Option<Metrics>,
     /// Its pixels: those that errors are of, and those left out.
     pub mask: MaskCounts,
     /// How many of those that errors are of show another surface than the scene does, where that makes the truth doubtful.
@@ -164,10 +167,18 @@ impl AboutTruth {
         if let Some(samples) = self.samples {
             text += &format!(", {samples} samples");
         }
-        text += &self.standard_error.map_or_else(
-            || "; its noise is not known".into(),
-            |e| format!(", standard error {:.1} % per pixel", e * 100.0),
-        );
+        if let Some(error) = self.standard_error {
+            text += &format!(", standard error {:.1} % per pixel", error * 100.0);
+        }
+        text += &match (&self.noise, self.standard_error) {
+            (Some(noise), _) => format!(
+                ", of whose noise alone a picture without errors has relMSE {}, MAPE {} %",
+                rounded(noise.rel_mse, 2, false),
+                rounded(noise.mape * 100.0, 2, false)
+            ),
+            (None, None) => "; its noise is not known".into(),
+            (None, Some(_)) => String::new(),
+        };
         text += &format!("; errors are of {}", counted(mask.valid as u64, "pixel"));
         let left_out = [(mask.fireflies, "fireflies"), (mask.blended, "blended")];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {

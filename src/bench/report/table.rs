@@ -84,12 +84,13 @@ fn table_after(rows: &[Row], frames: u32) -> String {
     text
 }
 
-/// What stands before figures of which more is needed, or less.
-pub(super) fn bound(equal: &EqualError) -> &'static str {
-    match (equal.reached, equal.fewer) {
-        (false, _) => "> ",
-        (true, true) => "< ",
-        (true, false) => "",
+/// What stands before figures of which more is needed, or less; `None` where both are so, and the figures tell nothing.
+fn bound(equal: &EqualError) -> Option<&'static str> {
+    match (equal.unreached, equal.fewer) {
+        (0, 0) => Some(""),
+        (0, _) => Some("< "),
+        (_, 0) => Some("> "),
+        _ => None,
     }
 }
 
@@ -106,28 +107,33 @@ pub(super) const EQUAL_HEADS: [&str; 7] = [
 
 /// How many times the time: with its interval, where the error was reached.
 pub(super) fn times(equal: &EqualError) -> String {
+    let seeds = |count: u32| counted(count, "seed");
     match bound(equal) {
-        "" => with_interval(equal.times, 1.0, false),
-        _ => rounded(equal.times.mean, 2, false),
+        Some("> ") => format!("> {}", rounded(equal.times.mean, 2, false)),
+        Some(bound) => format!("{bound}{}", with_interval(equal.times, 1.0, false)),
+        None => format!(
+            "more than was tried with {}, less than a sample with {}",
+            seeds(equal.unreached),
+            seeds(equal.fewer)
+        ),
     }
 }
 
 /// What stands in them; with `>` where more is needed than was tried, and `<` where less is than can be.
 pub(super) fn equal_cells(equal: &EqualError) -> [String; 7] {
-    let more = bound(equal);
+    let figure = |text: String| bound(equal).map_or("-".into(), |bound| format!("{bound}{text}"));
     let same = match equal.metric {
         "rel_mse" => format!("relMSE of {}", rounded(equal.error.mean, 3, false)),
         _ => format!("MAPE of {} %", rounded(equal.error.mean * 100.0, 3, false)),
     };
-    let times = times(equal);
     [
         equal.baseline.clone(),
         equal.frames.to_string(),
         same,
-        format!("{more}{:.0}", equal.samples.mean),
-        format!("{more}{:.2e}", equal.rays.mean),
-        format!("{more}{}", rounded(equal.seconds.mean, 3, false)),
-        format!("{more}{times}"),
+        figure(format!("{:.0}", equal.samples.mean)),
+        figure(format!("{:.2e}", equal.rays.mean)),
+        figure(rounded(equal.seconds.mean, 3, false)),
+        times(equal),
     ]
 }
 

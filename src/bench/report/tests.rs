@@ -41,13 +41,13 @@ fn measured() -> Measured {
         kind,
         after: vec![after(8, false), after(16, true)],
     };
-    let equal = |metric, reached| EqualError {
+    let equal = |metric, reached: bool| EqualError {
         baseline: "path tracing".into(),
         frames: 16,
         metric,
         error: mean(0.0363),
-        reached,
-        fewer: false,
+        unreached: u32::from(!reached),
+        fewer: 0,
         samples: mean(412.0),
         rays: mean(1.6e8),
         seconds: mean(37.7),
@@ -87,6 +87,7 @@ fn measured() -> Measured {
             step: 1,
             samples: Some(64),
             standard_error: Some(0.01),
+            noise: None,
         },
         rows: vec![
             row("defaults", Kind::Settings),
@@ -153,6 +154,20 @@ fn the_heading_says_what_errors_are_against() {
     let part = "truth ref.exr of one of 9 pixels; its noise is not known; errors are of 7 pixels, 1 left out \
                 (fireflies); 5 show another surface in the truth: is it of this scene and view?; brute force is path tracing here";
     assert!(text.contains(part), "{text}");
+    measured.truth.noise = Some(Metrics {
+        rel_mse: 0.0091,
+        mape: 0.0554,
+        bias: 0.0,
+        rmse: 0.0,
+        p99: 0.0,
+        block_error: 0.0,
+        blocks: 1,
+        flip: 0.0,
+    });
+    let text = heading(&measured);
+    let noise =
+        "of whose noise alone a picture without errors has relMSE 0.0091, MAPE 5.5 %; errors";
+    assert!(text.contains(noise), "{text}");
     assert!(html(&report(measured)).contains("the same</tr>"));
 }
 
@@ -200,12 +215,17 @@ fn an_equal_time_that_was_missed_says_so() {
 #[test]
 fn what_is_reached_too_easily_is_said_to_be_less() {
     let mut equal = measured().equal_error;
-    equal[0].fewer = true;
+    equal[0].fewer = 1;
     let text = equal_error_table(&equal);
     assert_eq!(
         text.lines().nth(2),
-        Some("| path tracing | 16 | relMSE of 0.0363 | < 412 | < 1.60e8 | < 37.7 | < 18 |")
+        Some("| path tracing | 16 | relMSE of 0.0363 | < 412 | < 1.60e8 | < 37.7 | < 18.0 ± 2.3 |")
     );
+    // Where another seed needs more than was tried, no figure says anything.
+    equal[0].unreached = 1;
+    let text = equal_error_table(&equal);
+    let both = "| - | - | - | more than was tried with 1 seed, less than a sample with 1 seed |";
+    assert!(text.contains(both), "{text}");
 }
 
 #[test]
@@ -236,7 +256,7 @@ fn csv_has_a_line_for_everything() {
     let text = equal_error_csv(&[measured()]);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert!(lines[1].contains("rel_mse,true,false,") && lines[2].contains("mape,false,false,"));
+    assert!(lines[1].contains("rel_mse,0,0,") && lines[2].contains("mape,1,0,"));
     same_columns(&lines, ',');
 }
 

@@ -4,6 +4,7 @@ mod truth;
 
 use super::CommandError;
 use super::chosen::{self, Chosen, Opened};
+use super::compare::noise_of;
 use super::output::{prepare_folder, progress, say, warning};
 use super::run::{warn_of_no_light, warn_of_truth};
 use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
@@ -11,6 +12,7 @@ use crate::bench::{
     self, AboutTruth, BenchReport, Configuration, Failed, Machine, Measured, Options, Pictures,
     Target, Truth, TruthCache,
 };
+use crate::compare::CompareOptions;
 use crate::conditions::{settings_map, view_value};
 use gibs_graph::Backend;
 use std::collections::BTreeSet;
@@ -53,6 +55,9 @@ pub struct Args {
     /// of an odd number of them [default: path-traced, at every fifth pixel where the size is divisible]
     #[arg(long, value_name = "REF.exr")]
     truth: Option<PathBuf>,
+    /// The two halves of that truth's samples (OpenEXR), which tell its noise
+    #[arg(long, num_args = 2, value_names = ["HALFA", "HALFB"], requires = "truth")]
+    halves: Option<Vec<PathBuf>>,
     /// Samples per pixel of a truth that is path-traced
     #[arg(long, value_name = "N", default_value_t = 8192, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     spp: u32,
@@ -90,7 +95,14 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     settings.check()?;
     warn_of_no_light(&settings);
     let all = args.elements.is_empty() || args.elements.iter().any(|name| name == "all");
-    let none = args.elements.iter().all(|name| name == "none");
+    let none = args.elements.iter().any(|name| name == "none");
+    if none && args.elements.iter().any(|name| name != "none") {
+        return Err(CommandError::Value {
+            option: "--elements",
+            value: args.elements.join(","),
+            want: "`none` stands alone".into(),
+        });
+    }
     let elements = match (all, none) {
         (true, _) => Configuration::elements(),
         (false, true) => Vec::new(),
@@ -256,11 +268,16 @@ impl Work<'_> {
             step: truth.step(),
             samples: truth.samples,
             standard_error: truth.standard_error,
+            noise: None,
             mask: truth.check(name)?,
             elsewhere: None,
         };
         if let Some(path) = &args.truth {
             about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
+            if let Some([half_a, half_b]) = args.halves.as_deref() {
+                let options = CompareOptions::default();
+                about.noise = Some(noise_of([half_a, half_b], truth.picture(), path, &options)?);
+            }
         }
         let look = match args.report {
             Some(_) => Some(truth::look(&truth, &of_first, args.spp, cache)?),
