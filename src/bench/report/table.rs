@@ -56,7 +56,7 @@ pub(super) fn cells(after: &After) -> [String; 10] {
         with_interval(e.rel_mse, 1.0, false),
         with_interval(e.mape, 100.0, false) + " %",
         with_interval(e.bias, 100.0, true) + " %",
-        with_interval(e.p99, 100.0, false) + " %",
+        with_interval(e.p99, 1.0, false),
         with_interval(e.flip, 1.0, false),
         format!("{:.0}", after.rays),
         rounded(after.milliseconds, 3, false),

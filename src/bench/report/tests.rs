@@ -179,7 +179,7 @@ fn tables_are_markdown_with_confidence_intervals() {
     // Two seeds, one per cent to either side: a standard error of one per cent, and 12.7 of them.
     assert_eq!(
         lines[2],
-        "| defaults | 0.0363 ± 0.0046 | 9.7 ± 1.2 % | -0.280 ± 0.036 % | 40.0 ± 5.1 % | 0.0500 ± 0.0064 | 109876 | 131 | \
+        "| defaults | 0.0363 ± 0.0046 | 9.7 ± 1.2 % | -0.280 ± 0.036 % | 0.400 ± 0.051 | 0.0500 ± 0.0064 | 109876 | 131 | \
          1.00 (0.90 .. 1.25) | 2.10 | yes |"
     );
     same_columns(&lines, '|');
