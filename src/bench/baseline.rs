@@ -59,6 +59,12 @@ const PILOT: u32 = 8;
 /// A time that is this much off, over the sought one, is tried once more; a time or rays that stay so are named.
 pub(super) const OFF: f64 = 0.05;
 
+/// Of ratios over what was sought, the one that missed by most; seeds that missed to either side do not make up for each other.
+fn farthest(ratios: impl Iterator<Item = f64>) -> f64 {
+    let by_log = |a: &f64, b: &f64| a.ln().abs().total_cmp(&b.ln().abs());
+    ratios.max_by(by_log).unwrap_or(1.0)
+}
+
 /// Traces paths of one baseline with one seed.
 pub(super) struct Tracer<'a> {
     pub job: &'a Job<'a>,
@@ -155,13 +161,15 @@ impl<'a> Tracer<'a> {
             if samples == 0 && !budget.asked {
                 continue;
             }
-            let mut done = self.sample(self.job.size, samples.max(1))?;
+            let rendered = samples.max(1);
+            let mut done = self.sample(self.job.size, rendered)?;
             if kind == Kind::EqualTime {
                 // Few samples take longer each than many: a picture is done when its longest path is.
-                let better = (f64::from(samples) * budget.seconds / done.seconds).round() as u32;
+                let better = f64::from(rendered) * budget.seconds / done.seconds;
+                let better = (better.round() as u32).max(1);
                 let off = (done.seconds / budget.seconds - 1.0).abs();
-                if off > OFF && better.max(1) != samples.max(1) {
-                    let again = self.sample(self.job.size, better.max(1))?;
+                if off > OFF && better != rendered {
+                    let again = self.sample(self.job.size, better)?;
                     if (again.seconds / budget.seconds - 1.0).abs() < off {
                         done = again;
                     }
@@ -222,8 +230,8 @@ pub(super) fn row(
             seconds: Mean::of(all().map(|t| t.seconds)),
             ratio: Spread::of(all().map(|t| t.ratio)),
             taken: Some(match kind {
-                Kind::EqualTime => Spread::of(all().map(|t| t.ratio)).median,
-                _ => Spread::of(all().map(|t| t.rays_ratio)).median,
+                Kind::EqualTime => farthest(all().map(|t| t.ratio)),
+                _ => farthest(all().map(|t| t.rays_ratio)),
             }),
             pareto: false,
         })
@@ -239,4 +247,16 @@ pub(super) fn row(
         kind,
         after,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::farthest;
+
+    #[test]
+    fn misses_to_either_side_do_not_make_up_for_each_other() {
+        assert_eq!(farthest([1.0, 1.25, 0.7].into_iter()), 0.7);
+        assert_eq!(farthest([1.5, 1.0, 1.0].into_iter()), 1.5);
+        assert_eq!(farthest([].into_iter()), 1.0);
+    }
 }

@@ -25,7 +25,7 @@ pub struct After {
     pub seconds: Mean,
     /// The frame's time over that of the first configuration.
     pub ratio: Spread,
-    /// Of path tracing: what it took of the rays or of the time that it was to equal, the median over seeds.
+    /// Of path tracing: what it took of the rays or of the time that it was to equal, with the seed that missed it by most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub taken: Option<f64>,
     /// Whether nothing in the scene, on the backend, has a smaller MAPE in no more seconds.

@@ -229,8 +229,11 @@ fn standard_error(truth: &Picture) -> Option<f64> {
     let errors = truth.scalar("standard_error.Y").ok()?;
     let light = truth.rgb("E").ok()?;
     let mask = truth.scalar("mask.A").ok()?;
+    // As in comparisons, fireflies and what is blended do not count.
+    let is_set = |name: &str, i: usize| truth.scalar(name).is_ok_and(|plane| plane[i] != 0.0);
+    let counts = |i: &usize| mask[*i] == 1.0 && !is_set("firefly.A", *i) && !is_set("blend.A", *i);
     let (mut squares, mut mean, mut count) = (0.0, 0.0, 0.0);
-    for i in (0..mask.len()).filter(|&i| mask[i] == 1.0) {
+    for i in (0..mask.len()).filter(counts) {
         squares += f64::from(errors[i]).powi(2);
         mean += luminance(light.map(|plane| plane[i]));
         count += 1.0;

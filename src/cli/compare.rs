@@ -121,7 +121,7 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
             ..options
         };
         let noise = noise_of([half_a, half_b], &truth, &args.truth, &options)?;
-        report.noise = Some(noise);
+        report.noise = Some(noise.errors);
     }
     if let Some(out) = &args.out {
         write_map(&report, out)?;
@@ -145,13 +145,20 @@ pub fn run(args: Args) -> Result<(), CompareCommandError> {
     }
 }
 
+/// What halves say of a truth's noise.
+pub(super) struct Noise {
+    pub errors: Metrics,
+    /// Whether they were warned of.
+    pub doubted: bool,
+}
+
 /// The noise of a truth by its halves, with a warning of those that are none.
 pub(super) fn noise_of(
     [half_a, half_b]: [&Path; 2],
     truth: &Picture,
     path: &Path,
     options: &CompareOptions,
-) -> Result<Metrics, CompareCommandError> {
+) -> Result<Noise, CompareCommandError> {
     let (a, b) = read_both(half_a, half_b)?;
     let noise = noise_floor(&a, &b, truth, options);
     let noise = noise.map_err(|source| CompareCommandError::Halves {
@@ -159,7 +166,8 @@ pub(super) fn noise_of(
         half_b: half_b.to_owned(),
         source,
     })?;
-    match halves_doubt(&a, &b, truth, &noise, options) {
+    let doubt = halves_doubt(&a, &b, truth, &noise, options);
+    match doubt {
         Some(HalvesDoubt::Alike) => {
             warning!("--halves: both halves are the same, and tell nothing of the truth's noise");
         }
@@ -169,7 +177,10 @@ pub(super) fn noise_of(
         ),
         None => {}
     }
-    Ok(noise)
+    Ok(Noise {
+        errors: noise,
+        doubted: doubt.is_some(),
+    })
 }
 
 /// The layer that a `--channel` names: `RGB` in any case is the final image.

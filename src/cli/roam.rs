@@ -165,15 +165,16 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
 fn table(flight: &Flight, args: &Args) -> String {
     let Flight { totals, holes, .. } = flight;
     let [width, height] = flight.size;
-    let median_of =
-        |of: &dyn Fn(&RoamRow) -> Option<f64>| median(flight.rows.iter().filter_map(of).collect());
+    let median_of = |of: &dyn Fn(&RoamRow) -> Option<f64>, decimals| {
+        median(flight.rows.iter().filter_map(of), decimals)
+    };
     let mut text = format!(
-        "{} on {} ({}): {} of {width}x{height}, {:.1} ms each\n",
+        "{} on {} ({}): {} of {width}x{height}, {} ms each\n",
         args.scene.scene,
         flight.backend,
         flight.device,
         counted(flight.rows.len() as u64, "frame"),
-        median_of(&|row| Some(row.frame.ms)),
+        median_of(&|row| Some(row.frame.ms), 1),
     );
     text += &format!(
         "surfels: most live {} of {}; {} births, {} recycled, {} starved, at most {} holes in crowded cells; {} entries beyond the grid; {} slot errors\n",
@@ -203,8 +204,8 @@ fn table(flight: &Flight, args: &Args) -> String {
         None => "no surface was in view for 8 frames\n".to_owned(),
     };
     for (i, group) in flight.groups.iter().enumerate() {
-        let ms = median_of(&|row| row.frame.groups_ms.get(i).copied());
-        text += &format!("{ms:>10.2} ms  {group}\n");
+        let ms = median_of(&|row| row.frame.groups_ms.get(i).copied(), 2);
+        text += &format!("{ms:>10} ms  {group}\n");
     }
     text.truncate(text.trim_end().len());
     text

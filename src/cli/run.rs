@@ -2,6 +2,7 @@
 use super::CommandError;
 use super::output::warning;
 use super::scene::{Loaded, SceneArgs};
+use crate::bench::Spread;
 use crate::compare::{CompareOptions, other_view};
 use crate::measure::FrameRow;
 use crate::picture::Picture;
@@ -155,10 +156,12 @@ pub(super) fn warn_of_truth(
     Some(elsewhere)
 }
 
-/// The median of some numbers, 0 of none.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+/// The median of some numbers as text with so many decimals; a dash of none.
+pub(super) fn median(values: impl Iterator<Item = f64>, decimals: usize) -> String {
+    match Spread::of(values).median {
+        none if none.is_nan() => "-".into(),
+        median => format!("{median:.decimals$}"),
+    }
 }
 
 /// How a scene is called in titles: a built-in one's name, a file's stem.

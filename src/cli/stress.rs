@@ -270,16 +270,16 @@ fn line(part: &[StressRow], groups: usize) -> String {
     };
     let births: u64 = part.iter().map(|row| u64::from(row.frame.births)).sum();
     let mut text = format!(
-        "{:>7}   {} {} {:>7} {births:>7} {:>9.1}",
+        "{:>7}   {} {} {:>7} {births:>7} {:>9}",
         last.frame.frame + 1,
         percent(last.error),
         percent(last.mape),
         last.frame.live,
-        median(part.iter().map(|row| row.frame.ms).collect()),
+        median(part.iter().map(|row| row.frame.ms), 1),
     );
     for group in 0..groups {
         let times = part.iter().filter_map(|row| row.frame.groups_ms.get(group));
-        text += &format!(" {:>10.2}", median(times.copied().collect()));
+        text += &format!(" {:>10}", median(times.copied(), 2));
     }
     text
 }

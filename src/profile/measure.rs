@@ -132,8 +132,9 @@ pub fn measure(
             what: "profile".into(),
         });
     };
-    let counters = renderer.counters()?;
     let work = work(&mut renderer)?;
+    // After that, which runs a frame: both are of the same one.
+    let counters = renderer.counters()?;
     let schedule = Arc::clone(renderer.executable().schedule());
     let stages = samples.stages(&schedule, &work);
     let steps = samples.steps(&schedule, &work);
@@ -259,7 +260,7 @@ impl Samples {
         });
         let pairs: Vec<Vec<(f64, f64)>> = pairs.collect();
         FrameCost {
-            wall_ms: Figure::of(&self.timed),
+            wall_ms: Figure::of(&self.untimed),
             covered: steps_ms.as_ref().map(|_| quantile(&shares, 0.5)),
             steps_ms,
             tracing_ms: self.sum(&tracing),

@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the file format; others are refused.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// What was measured on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,7 +79,7 @@ pub struct Profile {
 /// What a frame takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameCost {
-    /// From the first upload until the device is done, milliseconds on the host's clock, while steps are timed.
+    /// From the first upload until the device is done, milliseconds on the host's clock, while steps are not timed.
     pub wall_ms: Figure,
     /// Time of all steps together, milliseconds; `None` where the device measures none.
     pub steps_ms: Option<Figure>,

@@ -149,7 +149,6 @@ fn intervals_hold_what_they_should() {
     let [low, high] = twice.bounds.unwrap();
     assert!(1.9 < low && high < 2.1 && (twice.ratio - 2.0).abs() < 1e-9);
     assert_eq!(Interval::of_samples(&[1.0], &[1.0]).bounds, None);
-    // Pairs that always differ by as much leave no doubt, however much they vary.
     // Runs of pairs that agree within each and not with each other: the interval is that of three values, not of thirty.
     let runs = [0.9, 1.0, 1.1].map(|ratio: f64| vec![(ratio, 1.0); 10]);
     let of_runs = Interval::of_paired_runs(&runs);
@@ -159,9 +158,27 @@ fn intervals_hold_what_they_should() {
     assert!(close(of_runs.ratio, own.ratio) && close(a, c) && close(b, d));
     let two = Interval::of_paired_runs(&runs[..2]);
     assert!(two.bounds.unwrap()[1] < b, "{two:?}");
+    // Pairs that always differ by as much leave no doubt, however much they vary.
     let pairs = Interval::of_pairs([(2.0, 1.0), (20.0, 10.0), (6.0, 3.0)].into_iter());
     let [low, high] = pairs.bounds.unwrap();
     assert!((low - 2.0).abs() < 1e-9 && (high - 2.0).abs() < 1e-9);
+}
+
+/// Widths worked out apart, with the t of the tables: 2.7764 of the 4.43 degrees of freedom that Welch's sample has, 3.1824 of
+/// three.
+#[test]
+fn intervals_are_as_wide_as_worked_out_by_hand() {
+    let close = |found: Interval, ratio: f64, bounds: [f64; 2]| {
+        let [low, high] = found.bounds.unwrap();
+        let off = |a: f64, b: f64| (a / b - 1.0).abs() > 1e-6;
+        let wrong = off(found.ratio, ratio) || off(low, bounds[0]) || off(high, bounds[1]);
+        assert!(!wrong, "{found:?}");
+    };
+    let samples = Interval::of_samples(&[20.0, 21.0, 23.0], &[10.0, 10.5, 12.0, 11.0, 10.2]);
+    close(samples, 1.987252392, [1.718746932, 2.297704215]);
+    let pairs = [1.02, 1.05, 0.99, 1.1].map(|ratio| (ratio, 1.0));
+    let pairs = Interval::of_pairs(pairs.into_iter());
+    close(pairs, 1.039212442, [0.967601115, 1.116123661]);
 }
 
 #[test]

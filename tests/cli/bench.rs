@@ -281,10 +281,7 @@ fn what_does_not_fit_is_refused() {
     let output = gibs(&[&FEW[..14], &more, &halves].concat());
     let (message, text) = (stderr(&output), stdout(&output));
     assert!(message.contains("both halves are the same"), "{message}");
-    assert!(
-        text.contains("of whose noise alone a picture without errors has relMSE 0"),
-        "{text}"
-    );
+    assert!(!text.contains("of whose noise alone"), "{text}");
     let text = succeed(&[&FEW[..14], &more].concat());
     assert!(text.contains("one of 25 pixels, standard error"), "{text}");
     assert!(text.contains("; errors are of "), "{text}");

@@ -17,7 +17,6 @@ use crate::compare::{MaskCounts, Metrics};
 use crate::words::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use table::rounded;
 
 /// Everything that a run of the command measured.
@@ -105,7 +104,7 @@ pub struct Measured {
 #[derive(Clone, Debug, Serialize)]
 pub struct AboutTruth {
     /// The file that was given; `None` of one that was path-traced here.
-    pub file: Option<PathBuf>,
+    pub file: Option<String>,
     /// Of every how many pixels of a row and column there is a truth.
     pub step: u32,
     /// Samples per pixel, where known.
@@ -157,7 +156,7 @@ impl AboutTruth {
     fn in_words(&self) -> String {
         let Self { mask, .. } = self;
         let mut text = match &self.file {
-            Some(path) => format!("truth {} of ", path.display()),
+            Some(file) => format!("truth {file} of "),
             None => "truth of ".into(),
         };
         text += &match self.step {

@@ -109,8 +109,8 @@ pub(super) const EQUAL_HEADS: [&str; 7] = [
 pub(super) fn times(equal: &EqualError) -> String {
     let seeds = |count: u32| counted(count, "seed");
     match bound(equal) {
-        Some("> ") => format!("> {}", rounded(equal.times.mean, 2, false)),
-        Some(bound) => format!("{bound}{}", with_interval(equal.times, 1.0, false)),
+        Some("") => with_interval(equal.times, 1.0, false),
+        Some(bound) => format!("{bound}{}", rounded(equal.times.mean, 2, false)),
         None => format!(
             "more than was tried with {}, less than a sample with {}",
             seeds(equal.unreached),

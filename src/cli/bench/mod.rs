@@ -264,7 +264,7 @@ impl Work<'_> {
             None => truth::path_trace(&of_first, args.spp, cache)?,
         };
         let mut about = AboutTruth {
-            file: args.truth.clone(),
+            file: args.truth.as_ref().map(|path| path.display().to_string()),
             step: truth.step(),
             samples: truth.samples,
             standard_error: truth.standard_error,
@@ -276,7 +276,9 @@ impl Work<'_> {
             about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
             if let Some([half_a, half_b]) = args.halves.as_deref() {
                 let options = CompareOptions::default();
-                about.noise = Some(noise_of([half_a, half_b], truth.picture(), path, &options)?);
+                let noise = noise_of([half_a, half_b], truth.picture(), path, &options)?;
+                // Of halves that are none it is nothing.
+                about.noise = (!noise.doubted).then_some(noise.errors);
             }
         }
         let look = match args.report {
