@@ -11,15 +11,7 @@ fn values_that_are_not_finite_fail_the_comparison() {
         assert_eq!(report.non_finite.in_mask, 1);
         assert_eq!(report.non_finite.first, Some([5, 3]));
         let m = report.metrics;
-        for value in [
-            m.rel_mse,
-            m.rmse,
-            m.mape,
-            m.bias,
-            m.p99,
-            m.block_error,
-            m.flip,
-        ] {
+        for value in all(&m) {
             assert!(value.is_nan());
         }
         let rest = report.finite_only.unwrap();

@@ -34,6 +34,19 @@ fn with(mut picture: Picture, name: &str, value: impl Fn(u32, u32) -> f32) -> Pi
     picture
 }
 
+/// Every error.
+fn all(m: &Metrics) -> [f64; 7] {
+    [
+        m.rel_mse,
+        m.rmse,
+        m.mape,
+        m.bias,
+        m.p99,
+        m.block_error,
+        m.flip,
+    ]
+}
+
 fn run(ours: &Picture, truth: &Picture) -> Report {
     compare(ours, truth, &CompareOptions::default()).unwrap()
 }
@@ -43,15 +56,7 @@ fn equal_pictures_have_no_error() {
     let truth = grey(20, 12, |x, y| 0.1 + (x * y) as f32);
     let report = run(&truth, &truth);
     let m = report.metrics;
-    for value in [
-        m.rel_mse,
-        m.rmse,
-        m.mape,
-        m.bias,
-        m.p99,
-        m.block_error,
-        m.flip,
-    ] {
+    for value in all(&m) {
         assert_eq!(value, 0.0);
     }
     assert_eq!(m.blocks, 6);
