@@ -1,5 +1,6 @@
 //! Finding a backend.
 use gibs_graph::{Backend, BackendError, DeviceInfo};
+use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -17,6 +18,15 @@ pub enum Choice {
     Wgpu,
     /// Vulkan through ash.
     Vulkan,
+}
+
+/// A backend of which there are no figures.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NotRun {
+    /// Its name.
+    pub backend: String,
+    /// Why, and what to do.
+    pub reason: String,
 }
 
 /// Not the name of a backend.

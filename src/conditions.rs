@@ -1,7 +1,9 @@
 //! What reports say of the conditions that their figures were measured under.
 use crate::view::View;
+use gibs_graph::Backend;
 use gibs_passes::frame::Settings;
 use gibs_passes::scene::Environment;
+use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -24,6 +26,55 @@ pub(crate) fn view_value(view: &View) -> Value {
             Some(value)
         })
         .unwrap_or_default()
+}
+
+/// What was rendered.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Subject {
+    /// Version of the program.
+    pub version: &'static str,
+    /// The scene, as it was asked for.
+    pub scene: String,
+    /// How it is seen, as in a view file.
+    pub view: Value,
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Every setting.
+    pub settings: BTreeMap<String, Value>,
+}
+
+/// What rendered it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Renders {
+    /// Backend.
+    pub backend: String,
+    /// Device behind it.
+    pub device: String,
+    /// Its driver and version.
+    pub driver: String,
+}
+
+impl Subject {
+    pub fn new(scene: &str, view: &View, size: [u32; 2], settings: &Settings) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: scene.into(),
+            view: view_value(view),
+            size,
+            settings: settings_map(settings),
+        }
+    }
+}
+
+impl Renders {
+    pub fn with(backend: &dyn Backend) -> Self {
+        let device = backend.device();
+        Self {
+            backend: backend.name().into(),
+            device: device.name.clone(),
+            driver: device.driver.clone(),
+        }
+    }
 }
 
 /// Every setting with its value.

@@ -60,7 +60,8 @@ pub mod profile;
 mod query;
 pub mod reference;
 pub mod renderer;
-mod student;
+mod stages;
+mod statistics;
 pub mod view;
 mod words;
 

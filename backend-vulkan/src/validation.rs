@@ -32,6 +32,9 @@ impl ValidationLog {
 }
 
 /// Called by the layer, on whatever thread made the call that it complains about.
+///
+/// # Safety
+/// `data` is null or what the layer passes, alive during the call, and `log` null or that of [`ValidationLog::messenger`].
 unsafe extern "system" fn receive(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _types: vk::DebugUtilsMessageTypeFlagsEXT,

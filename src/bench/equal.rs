@@ -92,7 +92,6 @@ pub(super) fn needed(
 ) -> Result<Vec<Needed>, BenchError> {
     let truth = tracer.job.truth;
     let size = truth.size();
-    let share = f64::from(truth.step()).powi(2);
     let mut curve = Curve::default();
     let mut all = Vec::new();
     for (budget, metrics) in goals {
@@ -108,20 +107,43 @@ pub(super) fn needed(
                 };
                 Ok::<_, BenchError>((point, done.seconds))
             })?;
-            let rays = need.samples * curve.rays_per_sample() * share;
-            let seconds = rays * seconds_per_ray;
-            all.push(Needed {
-                frames: budget.frames,
-                metric,
-                error: goal,
+            let rays = rays(&need, curve.rays_per_sample(), truth.step());
+            all.push(Needed::of(
+                budget,
+                (metric, goal),
                 need,
                 rays,
-                seconds,
-                times: seconds / budget.seconds,
-            });
+                seconds_per_ray,
+            ));
         }
     }
     Ok(all)
+}
+
+/// Rays of whole pictures, where only one pixel of `step` times `step` was rendered.
+pub(super) fn rays(need: &Need, per_sample: f64, step: u32) -> f64 {
+    need.samples * per_sample * f64::from(step).powi(2)
+}
+
+impl Needed {
+    pub(super) fn of(
+        budget: &Budget,
+        (metric, error): (&'static str, f64),
+        need: Need,
+        rays: f64,
+        seconds_per_ray: f64,
+    ) -> Self {
+        let seconds = rays * seconds_per_ray;
+        Self {
+            frames: budget.frames,
+            metric,
+            error,
+            need,
+            rays,
+            seconds,
+            times: seconds / budget.seconds,
+        }
+    }
 }
 
 impl Curve {

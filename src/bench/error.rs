@@ -17,10 +17,10 @@ pub enum BenchError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// Nothing can be compared with the truth.
-    #[error("{scene}: {source}")]
+    #[error("{of}: {source}")]
     Truth {
-        /// Scene.
-        scene: String,
+        /// The truth's file, or the scene that it was path-traced of.
+        of: String,
         /// Why not.
         source: CompareError,
     },

@@ -128,8 +128,7 @@ pub(super) fn run(
     Ok(runs)
 }
 
-/// A renderer before its first frame that has rendered one already: drivers compile kernels when they first run, and memory is
-/// touched for the first time then. The first configuration would pay for all that have the same kernels.
+/// A renderer before its first frame, but warm: the first configuration would pay for all that have the same kernels.
 fn started(job: &Job<'_>, configuration: &Configuration) -> Result<Renderer, RenderError> {
     let mut renderer = Renderer::new(
         job.backend,
@@ -139,9 +138,7 @@ fn started(job: &Job<'_>, configuration: &Configuration) -> Result<Renderer, Ren
         &configuration.settings,
         job.seed,
     )?;
-    renderer.frame()?;
-    renderer.wait()?;
-    renderer.reset()?;
+    renderer.warm_up()?;
     Ok(renderer)
 }
 

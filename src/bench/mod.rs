@@ -22,8 +22,8 @@ pub use equal::EqualError;
 pub use error::BenchError;
 pub use pictures::{Pictures, Shot};
 pub use report::{
-    AboutTruth, BenchReport, Failed, Machine, Measured, NotRun, csv, equal_error_csv,
-    equal_error_table, heading, html, plots, table,
+    AboutTruth, BenchReport, Failed, Machine, Measured, csv, equal_error_csv, equal_error_table,
+    heading, html, plots, table,
 };
 pub use row::{After, Errors, Kind, Row};
 pub use statistics::{Mean, Spread};

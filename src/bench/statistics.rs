@@ -1,5 +1,5 @@
 //! Means over seeds, and the spread of times.
-use crate::student;
+use crate::statistics::{moments, quantile, student};
 use serde::Serialize;
 
 /// A mean over seeds.
@@ -17,10 +17,9 @@ impl Mean {
     /// Of values; NaN where there are none.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.collect();
+        let (mean, variance) = moments(&values);
         let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let standard_error = (values.len() > 1).then(|| (squares / (count - 1.0) / count).sqrt());
+        let standard_error = (values.len() > 1).then(|| (variance / count).sqrt());
         let t = student::quantile(values.len().saturating_sub(1) as u32);
         Self {
             mean,
@@ -50,15 +49,8 @@ pub struct Spread {
 impl Spread {
     /// Of values; NaN where there are none.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().saturating_sub(1) as f64;
-        let value = |rank: f64| sorted.get(rank as usize).copied().unwrap_or(f64::NAN);
-        let at = |share: f64| {
-            let rank = last * share;
-            let (below, above) = (value(rank.floor()), value(rank.ceil()));
-            below + (above - below) * rank.fract()
-        };
+        let values: Vec<f64> = values.collect();
+        let at = |share| quantile(&values, share).unwrap_or(f64::NAN);
         Self {
             low: at(0.1),
             median: at(0.5),

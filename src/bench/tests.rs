@@ -1,6 +1,6 @@
 use super::*;
 use crate::compare::Metrics;
-use equal::{Curve, Need, Point, search};
+use equal::{Curve, Need, Point, rays, search};
 use gibs_passes::frame::{ELEMENTS, Settings};
 
 #[test]
@@ -144,6 +144,48 @@ fn a_search_that_takes_too_long_says_how_far_it_came() {
     // An error that never falls.
     let (need, _) = searched(|_| 1.0, 0.5, 2.0);
     assert!(!need.reached && need.samples <= 2000.0, "{need:?}");
+}
+
+/// Rays of the truth's pixels stand for those of all pixels; each seed is held against its own time; what was not reached or not needed is
+/// counted.
+#[test]
+fn what_is_needed_is_of_whole_pictures_and_over_seeds() {
+    let need = |samples, reached, fewer| Need {
+        samples,
+        reached,
+        fewer,
+    };
+    // Ten samples of three rays per sample and pixel for 100 pixels, each of which stands for 25.
+    assert_eq!(rays(&need(10.0, true, false), 300.0, 5), 75_000.0);
+    assert_eq!(rays(&need(10.0, true, false), 300.0, 1), 3_000.0);
+    let seed = |seconds: f64, need: Need, sought: f64| {
+        let budget = Budget {
+            frames: 16,
+            asked: true,
+            rays: 1e6,
+            seconds,
+        };
+        vec![Needed::of(&budget, ("mape", sought), need, 4e6, 1e-6)]
+    };
+    let all = over_seeds(
+        "path tracing",
+        &[
+            seed(2.0, need(8.0, true, false), 0.1),
+            seed(1.0, need(16.0, false, false), 0.3),
+            seed(0.5, need(1.0, true, true), 0.2),
+        ],
+    );
+    let [found] = all.as_slice() else {
+        panic!("{all:?}");
+    };
+    assert_eq!((found.frames, found.metric), (16, "mape"));
+    assert_eq!((found.unreached, found.fewer), (1, 1));
+    assert!((found.error.mean - 0.2).abs() < 1e-12);
+    assert!((found.samples.mean - 25.0 / 3.0).abs() < 1e-12);
+    assert_eq!((found.rays.mean, found.seconds.mean), (4e6, 4.0));
+    // 4 s over 2, 1 and 0.5 s.
+    assert!((found.times.mean - 14.0 / 3.0).abs() < 1e-12);
+    assert!(over_seeds("path tracing", &[]).is_empty());
 }
 
 #[test]

@@ -7,12 +7,14 @@ use crate::reference::{ReferenceOptions, reference};
 use crate::view::View;
 use gibs_graph::Backend;
 use gibs_passes::scene::Scene;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A truth for a picture of a size.
 #[derive(Clone, Debug)]
 pub struct Truth {
     picture: Picture,
+    /// Where it was read from; `None` of one that was path-traced.
+    file: Option<PathBuf>,
     /// Pixels of the picture in a row for one of the truth's.
     step: u32,
     /// Samples per pixel, where that is known.
@@ -104,6 +106,7 @@ impl Truth {
         let standard_error = standard_error(&picture);
         Ok(Self {
             picture,
+            file: Some(path.to_owned()),
             step,
             samples: None,
             warning: None,
@@ -130,6 +133,7 @@ impl Truth {
         Ok(Self {
             standard_error: standard_error(&picture),
             picture,
+            file: None,
             step,
             samples: Some(samples),
             warning,
@@ -168,11 +172,14 @@ impl Truth {
     /// Refuses one that nothing can be held against, such as a black one, before anything is; counts the pixels of any other.
     ///
     /// # Errors
-    /// [`BenchError::Truth`], with the name of the scene.
+    /// [`BenchError::Truth`], with the name of the file, or of the scene where it was path-traced.
     pub fn check(&self, scene: &str) -> Result<MaskCounts, BenchError> {
         let itself = compare(&self.picture, &self.picture, &CompareOptions::default());
         let wrong = |source| BenchError::Truth {
-            scene: scene.into(),
+            of: match &self.file {
+                Some(file) => format!("the truth {}", file.display()),
+                None => scene.to_owned(),
+            },
             source,
         };
         itself.map(|report| report.mask).map_err(wrong)

@@ -1,6 +1,5 @@
 //! The backends that are measured, of commands that take several.
-use crate::backends::{self, BUILT, Choice};
-use crate::bench::NotRun;
+use crate::backends::{self, BUILT, Choice, NotRun};
 use crate::cli::CommandError;
 use crate::cli::output::warning;
 use gibs_graph::Backend;

@@ -4,9 +4,11 @@ use super::output::{print, progress, say, warning};
 use super::run::warn_of_no_light;
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
+use crate::conditions::{Renders, Subject};
 use crate::gi::Gi;
-use crate::profile::{saving_table, savings};
+use crate::profile::{Saving, saving_table, savings};
 use gibs_passes::frame::Screen;
+use serde::Serialize;
 
 /// Show the stages that a scene's frame consists of
 #[derive(Clone, Debug, clap::Args)]
@@ -27,6 +29,26 @@ pub struct Args {
     /// Where to measure: auto, cpu, wgpu or vulkan
     #[arg(long, default_value = "auto", requires = "measure")]
     backend: Choice,
+}
+
+/// What a frame needs, as JSON.
+#[derive(Serialize)]
+struct Needs<'a> {
+    #[serde(flatten)]
+    subject: Subject,
+    /// Where time was measured, if it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<Measured>,
+    needs: &'a [Saving],
+}
+
+/// Where the time was measured of what is left out.
+#[derive(Serialize)]
+struct Measured {
+    #[serde(flatten)]
+    renders: Renders,
+    /// Pairs of frames, after as many that were not measured.
+    frames: u32,
 }
 
 /// Runs the command.
@@ -63,10 +85,22 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         bar.finish_and_clear();
         let savings = savings?;
         match args.format.as_str() {
-            "json" => say!(
-                "{}",
-                serde_json::to_string_pretty(&savings).unwrap_or_default()
-            ),
+            "json" => {
+                let measured = on.map(|(backend, frames)| Measured {
+                    renders: Renders::with(backend),
+                    frames,
+                });
+                let scene = &args.scene.scene;
+                let needs = Needs {
+                    subject: Subject::new(scene, &loaded.view, loaded.size, &settings),
+                    measured,
+                    needs: &savings,
+                };
+                say!(
+                    "{}",
+                    serde_json::to_string_pretty(&needs).unwrap_or_default()
+                );
+            }
             _ => print(&saving_table(&savings, true))?,
         }
         return Ok(());

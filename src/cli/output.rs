@@ -1,6 +1,7 @@
 //! What commands print and write: results to standard output, warnings to standard error, pictures to files.
 use super::CommandError;
 use crate::picture::{Format, Picture, WriteError, ensure_writable};
+use crate::words::{printable, scene_name};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -18,22 +19,10 @@ pub(super) fn print(text: &str) -> Result<(), CommandError> {
     }
 }
 
-/// Text of a file or a driver for a terminal, which would take control characters for commands. Lines and tabs stay.
-pub(super) fn printable(text: &str) -> String {
-    let mut said = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '\n' | '\t' => said.push(c),
-            c if c.is_control() => said.extend(c.escape_default()),
-            c => said.push(c),
-        }
-    }
-    said
-}
-
 /// Prints to standard error, if anybody can hear it.
 pub(super) fn tell(text: &str) {
-    let _ = writeln!(io::stderr(), "{}", printable(text));
+    let lines: Vec<String> = text.split('\n').map(printable).collect();
+    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
 }
 
 /// Prints a line of the command's result.
@@ -95,8 +84,7 @@ pub(super) fn check_finite(picture: &Picture) -> Result<(), CommandError> {
 
 /// Where a picture of a scene goes that nobody named.
 pub(super) fn default_out(scene: &str) -> PathBuf {
-    let stem = Path::new(scene).file_stem().unwrap_or_default();
-    PathBuf::from(stem).with_extension("exr")
+    PathBuf::from(scene_name(scene) + ".exr")
 }
 
 /// Makes the folder of a report and sees that a file of this name can be written there.

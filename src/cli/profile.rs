@@ -2,14 +2,16 @@
 use super::CommandError;
 use super::chosen::{self, Chosen, Opened};
 use super::output::{say, warning};
-use super::run::{title, warn_of_no_light};
+use super::run::warn_of_no_light;
 use super::scene::{Loaded, SceneArgs, SettingsArgs};
+use crate::backends::NotRun;
 use crate::gi::Gi;
 use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
-    Comparison, Options, Profile, ProfileError, Progress, Saving, TimedFrame, beside, chrome_trace,
-    compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
+    Comparison, FORMAT, Options, Profile, ProfileError, Progress, Saving, TimedFrame, beside,
+    chrome_trace, compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
 };
+use crate::words::scene_name;
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
@@ -64,15 +66,34 @@ pub struct Args {
     json: bool,
 }
 
-/// A profile as JSON, with what is left out and what an older one says.
+/// What `--json` prints, and [`Profile::read`] reads.
 #[derive(Debug, Serialize)]
 struct Printed<'a> {
+    gibs_profile: u32,
+    profiles: Vec<PrintedProfile<'a>>,
+    /// Backends that were to be measured and are not there.
+    not_run: &'a [NotRun],
+    /// Backends that could not be measured.
+    failed: &'a [NotRun],
+}
+
+/// A profile, with what is left out and what an older one says.
+#[derive(Debug, Serialize)]
+struct PrintedProfile<'a> {
     #[serde(flatten)]
     profile: &'a Profile,
     needs: &'a [Saving],
     /// What `--against` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     against: Option<&'a Comparison>,
+}
+
+/// What was measured on one backend.
+struct Measured {
+    profile: Profile,
+    needs: Vec<Saving>,
+    frames: Vec<TimedFrame>,
+    against: Option<Comparison>,
 }
 
 /// Runs the command.
@@ -82,20 +103,14 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if let Some(path) = &args.trace {
         ensure_writable(path)?;
     }
-    let Opened { backends, .. } = chosen::open("--backend", &args.backend)?;
-    if let Some((path, old)) = args.against.as_deref().zip(old.as_ref()) {
+    let Opened { backends, not_run } = chosen::open("--backend", &args.backend)?;
+    let old = args.against.as_deref().zip(old.as_deref());
+    if let Some((path, old)) = old {
         for backend in &backends {
             before(path, old, backend.name())?;
         }
     }
     let loaded = args.scene.load()?;
-    let options = Options {
-        size: loaded.size,
-        runs: args.runs,
-        frames: args.frames,
-        warm_up: args.warm_up,
-        seed: args.seed,
-    };
     let gi = Gi::new(
         &loaded.scene,
         &loaded.view,
@@ -107,53 +122,85 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         warning!("{warning}");
     }
     warn_of_no_light(&settings);
-    let (mut all, mut comparisons) = (Vec::new(), Vec::new());
+    let (mut all, mut failed) = (Vec::new(), Vec::new());
+    let mut done = Ok(());
     for backend in &backends {
-        let backend = backend.as_ref();
-        let (profile, frames) = profile(backend, args, &loaded, &settings, &options)?;
-        let needs = savings_of(backend, &gi, args, &loaded)?;
-        let compared = match args.against.as_deref().zip(old.as_ref()) {
-            Some((path, old)) => Some((path, before(path, old, &profile.backend)?)),
-            None => None,
-        };
-        let against = compared.map(|(_, before)| compare(&profile, before));
-        if !args.json {
-            say!("{}", table(&profile, args.steps));
-            say!("{}", told(&needs, args.why));
-            if let Some(((path, before), comparison)) = compared.zip(against.as_ref()) {
-                say!(
-                    "against {}\n{}",
-                    path.display(),
-                    comparison_table(comparison, [profile.runs, before.runs])
-                );
+        match measured(backend.as_ref(), args, (&loaded, &settings), &gi, old) {
+            Ok(measured) => all.push(measured),
+            // What was measured is not lost when another backend fails.
+            Err(error) => {
+                failed.push(NotRun {
+                    backend: backend.name().into(),
+                    reason: error.to_string(),
+                });
+                if done.is_err() {
+                    warning!("{}: {error}", backend.name());
+                }
+                done = done.and(Err(error));
             }
         }
-        comparisons.push(against);
-        all.push((profile, needs, frames));
+    }
+    if all.is_empty() {
+        return done;
     }
     if let Some(path) = &args.trace {
         write_trace(path, gi.schedule(), &all)?;
     }
-    if !args.json && all.len() > 1 {
-        let profiles: Vec<&Profile> = all.iter().map(|(profile, ..)| profile).collect();
-        say!("{}", beside(&profiles));
-    }
     if args.json {
-        let printed: Vec<_> = all
-            .iter()
-            .zip(&comparisons)
-            .map(|((profile, needs, _), against)| Printed {
-                profile,
-                needs,
-                against: against.as_ref(),
-            })
-            .collect();
+        let profiles = all.iter().map(|measured| PrintedProfile {
+            profile: &measured.profile,
+            needs: &measured.needs,
+            against: measured.against.as_ref(),
+        });
+        let printed = Printed {
+            gibs_profile: FORMAT,
+            profiles: profiles.collect(),
+            not_run: &not_run,
+            failed: &failed,
+        };
         say!(
             "{}",
             serde_json::to_string_pretty(&printed).unwrap_or_default()
         );
+    } else if all.len() > 1 {
+        let profiles: Vec<&Profile> = all.iter().map(|measured| &measured.profile).collect();
+        say!("{}", beside(&profiles));
     }
-    Ok(())
+    done
+}
+
+/// Measures one backend, and prints it as text where that is wanted.
+fn measured(
+    backend: &dyn Backend,
+    args: &Args,
+    (loaded, settings): (&Loaded, &Settings),
+    gi: &Gi,
+    old: Option<(&Path, &[Profile])>,
+) -> Result<Measured, CommandError> {
+    let (profile, frames) = profile(backend, args, loaded, settings)?;
+    let needs = savings_of(backend, gi, args, loaded)?;
+    let compared = match old {
+        Some((path, old)) => Some((path, before(path, old, &profile.backend)?)),
+        None => None,
+    };
+    let against = compared.map(|(_, before)| compare(&profile, before));
+    if !args.json {
+        say!("{}", table(&profile, args.steps));
+        say!("{}", told(&needs, args.why));
+        if let Some(((path, before), comparison)) = compared.zip(against.as_ref()) {
+            say!(
+                "against {}\n{}",
+                path.display(),
+                comparison_table(comparison, [profile.runs, before.runs])
+            );
+        }
+    }
+    Ok(Measured {
+        profile,
+        needs,
+        frames,
+        against,
+    })
 }
 
 /// Measures one backend, with a live table of groups on a terminal.
@@ -162,15 +209,21 @@ fn profile(
     args: &Args,
     loaded: &Loaded,
     settings: &Settings,
-    options: &Options,
 ) -> Result<(Profile, Vec<TimedFrame>), CommandError> {
+    let options = Options {
+        size: loaded.size,
+        runs: args.runs,
+        frames: args.frames,
+        warm_up: args.warm_up,
+        seed: args.seed,
+    };
     let mut live = Live::new(backend.name());
     let measured = measure(
         backend,
-        (&title(&args.scene), &loaded.scene),
+        (&scene_name(&args.scene.scene), &loaded.scene),
         &loaded.view,
         settings,
-        options,
+        &options,
         |progress| live.show(progress),
     );
     live.clear();
@@ -226,18 +279,13 @@ fn before<'a>(path: &Path, old: &'a [Profile], backend: &str) -> Result<&'a Prof
 fn write_trace(
     path: &Path,
     schedule: &Arc<Schedule>,
-    all: &[(Profile, Vec<Saving>, Vec<TimedFrame>)],
+    all: &[Measured],
 ) -> Result<(), CommandError> {
-    let backends: Vec<_> = all
-        .iter()
-        .map(|(profile, _, frames)| {
-            (
-                profile.backend.as_str(),
-                schedule.as_ref(),
-                frames.as_slice(),
-            )
-        })
-        .collect();
+    let backends = all.iter().map(|measured| {
+        let name = measured.profile.backend.as_str();
+        (name, schedule.as_ref(), measured.frames.as_slice())
+    });
+    let backends: Vec<_> = backends.collect();
     replace_file(path, chrome_trace(&backends).as_bytes())?;
     Ok(())
 }

@@ -1,13 +1,14 @@
 //! `gibs roam`: a camera on its way through a scene.
 use super::CommandError;
 use super::output::{prepare_folder, progress, say, write};
-use super::run::{Totals, median, prepare, title};
+use super::run::{Totals, median, prepare};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
+use crate::conditions::{Renders, Subject};
 use crate::measure::{CameraPath, HoleRow, RoamRow, csv, group_plot, or_empty, plot_of, roam};
 use crate::picture::replace_file;
 use crate::plot::Axis;
-use crate::words::counted;
+use crate::words::{counted, scene_name};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -44,9 +45,13 @@ pub struct Args {
 /// What a flight did.
 #[derive(Debug, Serialize)]
 struct Flight {
-    backend: String,
-    device: String,
-    size: [u32; 2],
+    #[serde(flatten)]
+    subject: Subject,
+    #[serde(flatten)]
+    renders: Renders,
+    seed: u32,
+    /// Key poses of the camera; `None` where it went forward, around and back.
+    path: Option<String>,
     totals: Totals,
     holes: Holes,
     groups: Vec<String>,
@@ -141,16 +146,17 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     bar.finish_and_clear();
     let (groups, rows) = flown?;
     let flight = Flight {
-        backend: backend.name().into(),
-        device: backend.device().name.clone(),
-        size: loaded.size,
+        subject: Subject::new(&args.scene.scene, &loaded.view, loaded.size, &settings),
+        renders: Renders::with(backend.as_ref()),
+        seed: args.seed,
+        path: args.path.as_ref().map(|path| path.display().to_string()),
         totals: Totals::of(settings.surfels, rows.iter().map(|row| &row.frame)),
         holes: Holes::of(&rows),
         groups,
         rows,
     };
     if let Some(folder) = &args.report {
-        report(folder, &title(&args.scene), &flight)?;
+        report(folder, &scene_name(&args.scene.scene), &flight)?;
     }
     match args.json {
         true => say!(
@@ -164,15 +170,15 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
 
 fn table(flight: &Flight, args: &Args) -> String {
     let Flight { totals, holes, .. } = flight;
-    let [width, height] = flight.size;
+    let [width, height] = flight.subject.size;
     let median_of = |of: &dyn Fn(&RoamRow) -> Option<f64>, decimals| {
         median(flight.rows.iter().filter_map(of), decimals)
     };
     let mut text = format!(
         "{} on {} ({}): {} of {width}x{height}, {} ms each\n",
         args.scene.scene,
-        flight.backend,
-        flight.device,
+        flight.renders.backend,
+        flight.renders.device,
         counted(flight.rows.len() as u64, "frame"),
         median_of(&|row| Some(row.frame.ms), 1),
     );

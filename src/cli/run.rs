@@ -1,7 +1,7 @@
 //! What the commands share that run many frames.
 use super::CommandError;
 use super::output::warning;
-use super::scene::{Loaded, SceneArgs};
+use super::scene::Loaded;
 use crate::bench::Spread;
 use crate::compare::{CompareOptions, other_view};
 use crate::measure::FrameRow;
@@ -13,7 +13,7 @@ use gibs_passes::frame::Settings;
 use serde::Serialize;
 use std::path::Path;
 
-/// A scene that is ready to run, with the check of slots.
+/// A scene that is ready to run, with the check of slots, from an empty cache but warm.
 pub(super) fn prepare(
     backend: &dyn Backend,
     loaded: &Loaded,
@@ -24,7 +24,7 @@ pub(super) fn prepare(
         check_slots: true,
         ..settings.clone()
     };
-    let renderer = Renderer::new(
+    let mut renderer = Renderer::new(
         backend,
         &loaded.scene,
         &loaded.view,
@@ -33,6 +33,7 @@ pub(super) fn prepare(
         seed,
     )?;
     warn_at_start(&renderer, &settings);
+    renderer.warm_up()?;
     Ok(renderer)
 }
 
@@ -162,12 +163,6 @@ pub(super) fn median(values: impl Iterator<Item = f64>, decimals: usize) -> Stri
         none if none.is_nan() => "-".into(),
         median => format!("{median:.decimals$}"),
     }
-}
-
-/// How a scene is called in titles: a built-in one's name, a file's stem.
-pub(super) fn title(args: &SceneArgs) -> String {
-    let stem = Path::new(&args.scene).file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
 }
 
 /// As [`warn_shortage`], of the counters of a renderer.

@@ -1,19 +1,17 @@
 //! `gibs stress`: from an empty cache to converged.
 use super::CommandError;
 use super::output::{prepare_folder, progress, say};
-use super::run::{Totals, median, prepare, title, warn_of_truth};
+use super::run::{Totals, median, prepare, warn_of_truth};
 use super::scene::{SceneArgs, TechniqueArgs, ray_budget};
 use crate::backends::{self, Choice};
-use crate::conditions::{settings_map, view_value};
+use crate::conditions::{Renders, Subject};
 use crate::measure::{
     Stress, StressError, StressRow, converged_from, csv, group_plot, or_empty, plot_of, stress,
 };
 use crate::picture::{Picture, replace_file};
 use crate::plot::Axis;
-use crate::words::counted;
+use crate::words::{counted, scene_name};
 use serde::Serialize;
-use serde_json::Value;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Measure how soon light converges from an empty cache, and what that costs
@@ -61,16 +59,10 @@ fn percent(text: &str) -> Result<f64, String> {
 /// The run of one budget.
 #[derive(Debug, Serialize)]
 struct Run {
-    version: &'static str,
-    scene: String,
-    /// How it is seen, as in a view file.
-    view: Value,
-    backend: String,
-    device: String,
-    driver: String,
-    size: [u32; 2],
-    /// Every setting.
-    settings: BTreeMap<String, Value>,
+    #[serde(flatten)]
+    subject: Subject,
+    #[serde(flatten)]
+    renders: Renders,
     seed: u32,
     budget: u32,
     /// What the error is against.
@@ -161,14 +153,8 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             None => (None, Some(converged)),
         };
         let run = Run {
-            version: env!("CARGO_PKG_VERSION"),
-            scene: args.scene.scene.clone(),
-            view: view_value(&loaded.view),
-            backend: backend.name().into(),
-            device: backend.device().name.clone(),
-            driver: backend.device().driver.clone(),
-            size: loaded.size,
-            settings: settings_map(settings),
+            subject: Subject::new(&args.scene.scene, &loaded.view, loaded.size, settings),
+            renders: Renders::with(backend.as_ref()),
             seed: args.seed,
             budget: settings.rays,
             against: match &args.truth {
@@ -187,7 +173,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         runs.push(run);
     }
     if let Some(folder) = &args.report {
-        write(folder, &title(&args.scene), &runs, args)?;
+        write(folder, &scene_name(&args.scene.scene), &runs, args)?;
     }
     if args.json {
         say!(
@@ -200,10 +186,10 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
 
 fn table(run: &Run, args: &Args) -> String {
     let rows = &run.stress.rows;
-    let [width, height] = run.size;
+    let [width, height] = run.subject.size;
     let mut text = format!(
         "{} on {} ({}): {width}x{height}, {} rays a frame, no far plane\n",
-        args.scene.scene, run.backend, run.device, run.budget
+        args.scene.scene, run.renders.backend, run.renders.device, run.budget
     );
     let limit = args.converged;
     // Its own last frame tells that a picture no longer changes, not that it is right.

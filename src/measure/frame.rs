@@ -1,6 +1,6 @@
 //! What one frame costs and does.
+use crate::stages::{fold, group_of};
 use crate::{Counters, RenderError, Renderer};
-use gibs_graph::Action;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use std::time::Instant;
 pub struct FrameRow {
     /// Its number, from 0.
     pub frame: u32,
-    /// From its start until the device is done, milliseconds.
+    /// From its start until the device is done, milliseconds. Its steps are timed, which is part of it.
     pub ms: f64,
     /// Time of each of [`FrameMeter::groups`], milliseconds; empty where the device measures none.
     pub groups_ms: Vec<f64>,
@@ -36,42 +36,28 @@ pub struct FrameRow {
 /// Runs frames of a renderer and measures each.
 #[derive(Clone, Debug)]
 pub struct FrameMeter {
-    groups: Vec<String>,
-    /// Group of each step of the schedule.
-    of_step: Vec<usize>,
+    /// Each with its steps.
+    groups: Vec<(String, Vec<usize>)>,
     before: Counters,
     frame: u32,
 }
 
 impl FrameMeter {
-    /// Switches measuring on. The renderer has run no frame yet, and changes its schedule no more.
+    /// Switches measuring on. The renderer starts from an empty cache, and changes its schedule no more.
     pub fn new(renderer: &mut Renderer) -> Self {
         renderer.executable().measure(true);
-        let (mut groups, mut of_step) = (Vec::<String>::new(), Vec::new());
-        let schedule = renderer.executable().schedule().clone();
-        for i in 0..schedule.steps.len() {
-            // A clear belongs to the stage that it comes right before.
-            let mut from_here = schedule.steps[i..].iter();
-            let stage = from_here.find(|step| matches!(step.action, Action::Dispatch(_)));
-            let group = stage.and_then(|step| step.label.split_once('/'));
-            let name = group.map_or(OTHERS, |(group, _)| group);
-            let place = groups.iter().position(|group| group == name);
-            of_step.push(place.unwrap_or_else(|| {
-                groups.push(name.to_owned());
-                groups.len() - 1
-            }));
-        }
+        let schedule = renderer.executable().schedule();
+        let of_steps = fold((0..schedule.steps.len()).map(|step| group_of(schedule, step)));
         Self {
-            groups,
-            of_step,
+            groups: of_steps,
             before: Counters::default(),
             frame: 0,
         }
     }
 
     /// The groups of the frame, in the order in which they first run: the parts of the steps' labels before `/`.
-    pub fn groups(&self) -> &[String] {
-        &self.groups
+    pub fn groups(&self) -> Vec<String> {
+        self.groups.iter().map(|(name, _)| name.clone()).collect()
     }
 
     /// Runs a frame and waits for it.
@@ -83,17 +69,14 @@ impl FrameMeter {
         renderer.frame()?;
         renderer.wait()?;
         let ms = start.elapsed().as_secs_f64() * 1e3;
-        let mut groups_ms = Vec::new();
-        if let Some(times) = renderer.executable().timings()? {
-            groups_ms.resize(self.groups.len(), 0.0);
-            for time in times {
-                // Of a step that another schedule has, nothing is known.
-                let group = self.of_step.get(time.step);
-                if let Some(sum) = group.and_then(|group| groups_ms.get_mut(*group)) {
-                    *sum += time.time.as_secs_f64() * 1e3;
-                }
-            }
-        }
+        let times = renderer.executable().timings()?;
+        let groups_ms = times.map_or_else(Vec::new, |times| {
+            let of_group = |(_, steps): &(String, Vec<usize>)| {
+                let own = times.iter().filter(|time| steps.contains(&time.step));
+                own.map(|time| time.time.as_secs_f64() * 1e3).sum()
+            };
+            self.groups.iter().map(of_group).collect()
+        });
         let now = renderer.counters()?;
         let before = std::mem::replace(&mut self.before, now);
         let frame = self.frame;
@@ -114,6 +97,3 @@ impl FrameMeter {
         })
     }
 }
-
-/// Group of steps whose label has none.
-const OTHERS: &str = "others";

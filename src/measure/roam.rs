@@ -14,7 +14,7 @@ pub struct RoamRow {
     pub holes: HoleRow,
 }
 
-/// Sends the camera of a new renderer along a path; `each` is called after every frame. Gives the groups of the frame's
+/// Sends the camera of a new renderer, or of one that was reset, along a path; `each` is called after every frame. Gives the groups of the frame's
 /// stages, and a row for each frame.
 ///
 /// # Errors
@@ -37,5 +37,5 @@ pub fn roam<E: From<RenderError>>(
         each(renderer, &row)?;
         rows.push(row);
     }
-    Ok((meter.groups().to_vec(), rows))
+    Ok((meter.groups(), rows))
 }

@@ -41,7 +41,7 @@ pub struct Stress {
     pub rows: Vec<StressRow>,
 }
 
-/// Runs a new renderer for so many frames; `each` is called after every one. The error is the block error of
+/// Runs a new renderer, or one that was reset, for so many frames; `each` is called after every one. The error is the block error of
 /// [`Metrics`](crate::compare::Metrics), against the `truth` at the centres of its pixels, or else against the last frame,
 /// which then has none.
 ///
@@ -88,7 +88,7 @@ pub fn stress(
         }
     }
     Ok(Stress {
-        groups: meter.groups().to_vec(),
+        groups: meter.groups(),
         rows,
     })
 }

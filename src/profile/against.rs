@@ -45,6 +45,10 @@ pub enum Verdict {
     Noise,
     /// There are too few runs to tell.
     Unknown,
+    /// Both took next to nothing.
+    TooShort,
+    /// One of the devices measures no time of it.
+    NotTimed,
     /// It was not there before.
     New,
     /// It is not there now.
@@ -130,14 +134,14 @@ impl Change {
             }
             _ => None,
         };
-        let short = |figure: &Option<Option<Figure>>| {
-            let figure = figure.as_ref().and_then(Option::as_ref);
-            figure.is_none_or(|figure| figure.median < NOTHING)
-        };
+        let short = |figure: &Figure| figure.median < NOTHING;
         let verdict = match (&now, &before, ratio.and_then(|ratio| ratio.bounds)) {
             (None, ..) => Verdict::Gone,
             (_, None, _) => Verdict::New,
-            _ if short(&now) && short(&before) => Verdict::Noise,
+            (Some(None), ..) | (_, Some(None), _) => Verdict::NotTimed,
+            (Some(Some(now)), Some(Some(before)), _) if short(now) && short(before) => {
+                Verdict::TooShort
+            }
             (.., None) => Verdict::Unknown,
             (.., Some([_, high])) if high < 1.0 => Verdict::Faster,
             (.., Some([low, _])) if low > 1.0 => Verdict::Slower,

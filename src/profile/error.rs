@@ -1,6 +1,6 @@
 //! What reading a profile can fail with.
 use super::FORMAT;
-use super::table::printable;
+use crate::words::printable;
 use std::path::PathBuf;
 use thiserror::Error;
 

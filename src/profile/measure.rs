@@ -1,11 +1,12 @@
 //! Frames of several runs, timed and not in turns.
-use super::fold::{fold, group_of};
 use super::memory::memory;
-use super::statistics::{Figure, Interval, quantile};
+use super::statistics::{Figure, Interval};
 use super::trace::TimedFrame;
 use super::work::work;
-use super::{Cost, FORMAT, FrameCost, Profile, StageCost, Work};
+use super::{Cost, FrameCost, Profile, StageCost, Work};
 use crate::conditions::{settings_map, view_value};
+use crate::stages::{fold, group_of, stage_of};
+use crate::statistics::quantile;
 use crate::view::View;
 use crate::{RenderError, Renderer};
 use gibs_graph::{Backend, Schedule};
@@ -140,7 +141,6 @@ pub fn measure(
     let steps = samples.steps(&schedule, &work);
     let device = backend.device();
     let profile = Profile {
-        gibs_profile: FORMAT,
         version: env!("CARGO_PKG_VERSION").into(),
         scene: name.into(),
         view: view_value(view),
@@ -187,8 +187,7 @@ impl Samples {
 
     /// Of the timed frames, milliseconds.
     fn median(&self) -> Option<f64> {
-        let all = self.timed.concat();
-        (!all.is_empty()).then(|| quantile(&all, 0.5))
+        quantile(&self.timed.concat(), 0.5)
     }
 
     fn all(&self) -> Option<Figure> {
@@ -218,7 +217,7 @@ impl Samples {
         let all = self.all().map_or(0.0, |all| all.median);
         let names = (0..schedule.steps.len()).map(|step| {
             let group = group_of(schedule, step);
-            (group, super::fold::stage_of(&schedule.steps[step].label))
+            (group, stage_of(&schedule.steps[step].label))
         });
         let stages = fold(names).into_iter();
         stages
@@ -261,7 +260,7 @@ impl Samples {
         let pairs: Vec<Vec<(f64, f64)>> = pairs.collect();
         FrameCost {
             wall_ms: Figure::of(&self.untimed),
-            covered: steps_ms.as_ref().map(|_| quantile(&shares, 0.5)),
+            covered: steps_ms.as_ref().and_then(|_| quantile(&shares, 0.5)),
             steps_ms,
             tracing_ms: self.sum(&tracing),
             overhead: Interval::of_paired_runs(&pairs),

@@ -2,7 +2,6 @@
 mod against;
 mod beside;
 mod error;
-mod fold;
 mod measure;
 mod memory;
 mod savings;
@@ -29,13 +28,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Version of the file format; others are refused.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 /// What was measured on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// [`FORMAT`].
-    pub gibs_profile: u32,
     /// Version of the program.
     pub version: String,
     /// Scene, as it was named.
@@ -166,31 +163,28 @@ impl Profile {
             path: path.to_owned(),
             source,
         };
-        let all: serde_json::Value = serde_json::from_str(&text).map_err(wrong)?;
+        let mut all: serde_json::Value = serde_json::from_str(&text).map_err(wrong)?;
         let other = |found| ProfileError::Other {
             path: path.to_owned(),
             found,
         };
-        let serde_json::Value::Array(values) = all else {
-            return Err(other(match () {
-                () if all.get("traceEvents").is_some() => "a trace",
-                () if all.get("measured").is_some() => "a report of `gibs bench`",
-                () => "JSON of something else",
-            }));
-        };
-        for value in &values {
-            if value.get("gibs_profile").is_none() {
-                return Err(other("JSON of something else"));
-            }
-            let format = &value["gibs_profile"];
-            if *format != FORMAT {
+        match all.get("gibs_profile") {
+            Some(format) if *format == FORMAT => {}
+            Some(format) => {
                 return Err(ProfileError::Format {
                     path: path.to_owned(),
                     found: format.to_string(),
                 });
             }
+            None => {
+                return Err(other(match () {
+                    () if all.get("traceEvents").is_some() => "a trace",
+                    () if all.get("measured").is_some() => "a report of `gibs bench`",
+                    () => "JSON of something else",
+                }));
+            }
         }
-        let profiles: Vec<Self> = serde_json::from_value(values.into()).map_err(wrong)?;
+        let profiles: Vec<Self> = serde_json::from_value(all["profiles"].take()).map_err(wrong)?;
         if profiles.is_empty() {
             return Err(ProfileError::Empty {
                 path: path.to_owned(),

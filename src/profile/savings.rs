@@ -1,5 +1,6 @@
 //! What a frame saves by leaving out what its scene does not need.
-use super::statistics::{Interval, quantile};
+use super::statistics::Interval;
+use crate::statistics::quantile;
 use crate::view::View;
 use crate::{Gi, RenderError, Renderer};
 use gibs_graph::{Backend, BackendError};
@@ -99,7 +100,7 @@ pub fn savings(
             progress(done, left_out * frames * 2);
         }
         let [with, without] = times;
-        let usual = quantile(&without, 0.5);
+        let usual = quantile(&without, 0.5).unwrap_or_default();
         let ratio = Interval::of_pairs(with.into_iter().zip(without));
         saving.time = Some(SavedTime {
             without_ms: usual,

@@ -1,5 +1,5 @@
 //! Medians, percentiles, and how far runs differ.
-use crate::student;
+use crate::statistics::{moments, quantile, student};
 use serde::{Deserialize, Serialize};
 
 /// A figure over frames of several runs.
@@ -25,11 +25,12 @@ pub struct Interval {
 impl Figure {
     /// Of values per frame, run by run; zeros where there are none.
     pub fn of(runs: &[Vec<f64>]) -> Self {
-        let all: Vec<f64> = runs.iter().flatten().copied().collect();
+        let all = runs.concat();
+        let at = |values: &[f64], share| quantile(values, share).unwrap_or_default();
         Self {
-            median: quantile(&all, 0.5),
-            p95: quantile(&all, 0.95),
-            of_runs: runs.iter().map(|run| quantile(run, 0.5)).collect(),
+            median: at(&all, 0.5),
+            p95: at(&all, 0.95),
+            of_runs: runs.iter().map(|run| at(run, 0.5)).collect(),
         }
     }
 }
@@ -62,16 +63,6 @@ impl Figure {
             format!("a 95th percentile of {p95} milliseconds below the median of {median}")
         })
     }
-}
-
-/// A quantile, linear between values; 0 where there are none.
-pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let rank = sorted.len().saturating_sub(1) as f64 * share;
-    let at = |rank: f64| sorted.get(rank as usize).copied().unwrap_or_default();
-    let (below, above) = (at(rank.floor()), at(rank.ceil()));
-    below + (above - below) * rank.fract()
 }
 
 /// Runs without which there is no interval: of two, Student's t of one degree of freedom makes one of any width.
@@ -129,12 +120,4 @@ impl Interval {
             }),
         }
     }
-}
-
-/// Mean and sample variance; NaN where there are none.
-fn moments(values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (mean, squares / (count - 1.0))
 }

@@ -1,6 +1,6 @@
 //! Profiles as text.
 use super::{Comparison, Cost, Figure, Interval, Profile, Saving, StageCost, Verdict};
-use crate::words::counted;
+use crate::words::{counted, printable};
 use std::fmt::Write;
 
 /// Share of the steps' time below which a stage has no line of its own.
@@ -156,6 +156,8 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
             Verdict::Slower => "SLOWER",
             Verdict::Noise => "",
             Verdict::Unknown => "too few runs to tell",
+            Verdict::TooShort => "too short to tell",
+            Verdict::NotTimed => "not timed",
             Verdict::New => "new",
             Verdict::Gone => "gone",
         };
@@ -243,15 +245,6 @@ fn percent(ratio: &Interval) -> String {
         ),
         None => format!("{:+.1} %, of one pair of frames", added(ratio.ratio)),
     }
-}
-
-/// Text of a file without what a terminal would obey.
-pub(super) fn printable(text: &str) -> String {
-    let shown = |c: char| match c.is_control() {
-        true => c.escape_debug().to_string(),
-        false => c.to_string(),
-    };
-    text.chars().map(shown).collect()
 }
 
 /// A number with three digits and a unit of a thousand.

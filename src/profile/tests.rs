@@ -1,5 +1,5 @@
-use super::fold::stage_of;
 use super::*;
+use crate::stages::stage_of;
 use gibs_graph::StepTime;
 use gibs_passes::shared::hash;
 use std::time::Duration;
@@ -25,7 +25,6 @@ fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
         })
         .collect();
     Profile {
-        gibs_profile: FORMAT,
         version: "1".into(),
         scene: "cornell".into(),
         view: serde_json::json!({ "exposure": 1 }),
@@ -273,10 +272,19 @@ fn what_is_slower_than_the_noise_is_told() {
     assert_eq!((change.now_ms.unwrap() as f32, ratio as f32), (2.0, 0.25));
     // Times that are next to nothing are not judged, unless they were more.
     let tiny = |ms: f64| profile(&[1.0; 3], &[("tiny", &[ms, ms * 1.001, ms * 0.999])]);
-    for (before, verdict) in [(0.001, Verdict::Noise), (0.02, Verdict::Faster)] {
-        let all = compare(&tiny(0.009), &tiny(before)).stages;
+    let of_tiny = |now: &Profile, before: &Profile| {
+        let all = compare(now, before).stages;
         let change = all.iter().find(|change| change.name == "apply/tiny");
-        assert_eq!(change.unwrap().verdict, verdict);
+        change.unwrap().verdict
+    };
+    for (before, verdict) in [(0.001, Verdict::TooShort), (0.02, Verdict::Faster)] {
+        assert_eq!(of_tiny(&tiny(0.009), &tiny(before)), verdict);
+    }
+    // Of what a device has not timed nothing is known, however long it takes.
+    let mut untimed = tiny(0.5);
+    untimed.stages[0].cost.ms = None;
+    for (now, before) in [(&untimed, &tiny(0.5)), (&tiny(0.001), &untimed)] {
+        assert_eq!(of_tiny(now, before), Verdict::NotTimed);
     }
 }
 
@@ -284,19 +292,20 @@ fn what_is_slower_than_the_noise_is_told() {
 fn a_profile_survives_its_file() {
     let path = std::env::temp_dir().join(format!("gibs-profile-{}.json", std::process::id()));
     let written = vec![profile(&[1.5, 2.5], &[("stage", &[0.1, 0.2])])];
-    std::fs::write(&path, serde_json::to_string(&written).unwrap()).unwrap();
+    let file = serde_json::json!({ "gibs_profile": FORMAT, "profiles": written });
+    std::fs::write(&path, file.to_string()).unwrap();
     assert_eq!(Profile::read(&path).unwrap(), written);
 
     let wrong = |text: &str| {
         std::fs::write(&path, text).unwrap();
         Profile::read(&path).unwrap_err().to_string()
     };
-    for text in ["", "{}", "[{\"gibs_profile\": 1}]", "[1"] {
+    for text in ["", "{}", "[]", "{\"gibs_profile\": 1}", "[1"] {
         let message = wrong(text);
         assert!(message.contains("gibs profile SCENE --json"), "{message}");
         assert!(message.contains(&path.display().to_string()), "{message}");
     }
-    let message = wrong("[{\"gibs_profile\": 99}]");
+    let message = wrong("{\"gibs_profile\": 99}");
     assert!(message.contains("99"), "{message}");
     std::fs::remove_file(&path).unwrap();
     let message = Profile::read(&path).unwrap_err().to_string();

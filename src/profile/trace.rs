@@ -1,5 +1,5 @@
 //! Frames as a trace that Chrome's `about:tracing` and Perfetto open: Google, "Trace Event Format".
-use super::fold::group_of;
+use crate::stages::group_of;
 use gibs_graph::{Schedule, StepTime};
 use serde_json::{Value, json};
 use std::time::Duration;

@@ -156,6 +156,20 @@ impl Renderer {
         self.gi.reset(self.exec.as_mut())
     }
 
+    /// Runs two frames and forgets them, so that what is measured from then on starts from an empty cache and yet with kernels that
+    /// have run: drivers compile them when they first do, and memory is touched for the first time then.
+    ///
+    /// # Errors
+    /// As [`Renderer::frame`].
+    pub fn warm_up(&mut self) -> Result<(), RenderError> {
+        // The surfels that the first frame makes trace rays in the second.
+        for _ in 0..2 {
+            self.frame()?;
+            self.wait()?;
+        }
+        self.reset()
+    }
+
     /// As [`Gi::start_at`].
     ///
     /// # Errors

@@ -36,14 +36,24 @@ fn the_frame_is_shown_in_every_format() {
 #[test]
 fn why_says_what_the_scene_needs() {
     let printed = json(&["graph", "cornell", "--why", "--format", "json"]);
-    let needs = printed.as_array().unwrap();
+    let needs = printed["needs"].as_array().unwrap();
+    assert_eq!(printed["scene"], "cornell");
+    assert!(printed["settings"]["rays"].is_u64() && printed.get("measured").is_none());
     let lights = needs.iter().find(|need| need["name"] == "direct light");
     let lights = lights.unwrap();
     assert_eq!(lights["present"], false);
     assert_eq!(lights.get("time"), Some(&serde_json::Value::Null));
     assert!(!lights["stages"].as_array().unwrap().is_empty());
-    // Rays to emitters that are not there would not be traced.
     let small = ["--size", "32x24", "--measure", "1", "--backend", "cpu"];
+    let timed = ["graph", "cornell", "--why", "--format", "json"];
+    let timed = json(&[&timed, &small[..]].concat());
+    let measured = &timed["measured"];
+    assert_eq!(
+        (&measured["backend"], &measured["frames"]),
+        (&"cpu".into(), &1.into())
+    );
+    assert_eq!(timed["size"], serde_json::json!([32, 24]));
+    // Rays to emitters that are not there would not be traced.
     let why = succeed(&[&["graph", "atrium", "--why"], &small[..]].concat());
     let emitters = why.split("emitter sampling").nth(1).unwrap_or_default();
     let line = emitters.lines().nth(1).unwrap_or_default();

@@ -23,7 +23,10 @@ fn small<'a>(more: &[&'a str]) -> Vec<&'a str> {
 fn profiles_are_printed_compared_and_traced() {
     let folder = Folder::new("profile");
     let printed = succeed(&small(&["--json", "--why", "--runs", "2"]));
-    let mut profiles: Value = serde_json::from_str(&printed).unwrap();
+    let file: Value = serde_json::from_str(&printed).unwrap();
+    let mut profiles = file["profiles"].clone();
+    assert_eq!(file["not_run"], serde_json::json!([]));
+    assert_eq!(file["failed"], serde_json::json!([]));
     assert_eq!(profiles[0]["backend"], "cpu");
     assert_eq!(profiles[0]["size"], serde_json::json!([32, 24]));
     let needs = profiles[0]["needs"].as_array().unwrap();
@@ -52,6 +55,7 @@ fn profiles_are_printed_compared_and_traced() {
     // Programs hear of it, too; and a backend that is named twice is measured once.
     let compared = succeed(&small(&["--against", &old, "--json", "--backend", "cpu"]));
     let compared: Value = serde_json::from_str(&compared).unwrap();
+    let compared = &compared["profiles"];
     assert_eq!(compared.as_array().map(Vec::len), Some(1), "{compared}");
     let against = &compared[0]["against"];
     assert_eq!(against["frame"]["name"], "frame", "{against}");
@@ -60,13 +64,13 @@ fn profiles_are_printed_compared_and_traced() {
     // Figures that nobody measured are refused by name, and names are told without what a terminal would obey.
     let wall = |of_runs: Value| {
         let mut changed: Value = serde_json::from_str(&printed).unwrap();
-        changed[0]["frame"]["wall_ms"]["of_runs"] = of_runs;
+        changed["profiles"][0]["frame"]["wall_ms"]["of_runs"] = of_runs;
         changed
     };
     let mut escape = wall(Value::Array(vec![]));
-    escape[0]["frame"] = profiles[0]["frame"].clone();
-    escape[0]["groups"][0]["name"] = "\u{1b}[2J".into();
-    escape[0]["groups"][0]["ms"]["median"] = (-1.0).into();
+    escape["profiles"][0]["frame"] = profiles[0]["frame"].clone();
+    escape["profiles"][0]["groups"][0]["name"] = "\u{1b}[2J".into();
+    escape["profiles"][0]["groups"][0]["ms"]["median"] = (-1.0).into();
     for (name, broken, parts) in [
         (
             "no-runs.json",
@@ -91,7 +95,7 @@ fn profiles_are_printed_compared_and_traced() {
         ),
         (
             "empty.json",
-            serde_json::json!([]),
+            serde_json::json!({ "gibs_profile": file["gibs_profile"], "profiles": [] }),
             ["is empty", "gibs profile"],
         ),
     ] {
@@ -113,7 +117,9 @@ fn profiles_are_printed_compared_and_traced() {
             _ => profiles.as_array_mut().unwrap().push(other),
         }
     }
-    let others = folder.write("others.json", &profiles.to_string());
+    let mut others = file.clone();
+    others["profiles"] = profiles;
+    let others = folder.write("others.json", &others.to_string());
     refused(
         &small(&["--against", &others]),
         &["others.json", "cpu", "wgpu, vulkan"],

@@ -152,6 +152,15 @@ fn a_flight_reports_surfels_slots_and_holes() {
         ]
         .concat(),
     );
+    assert_eq!(
+        (&flight["scene"], &flight["seed"]),
+        (&"cornell".into(), &0.into())
+    );
+    assert_eq!(
+        (&flight["path"], &flight["settings"]["surfels"]),
+        (&path.as_str().into(), &512.into())
+    );
+    assert!(flight["view"]["camera"].is_object() && flight["driver"].is_string());
     let rows = flight["rows"].as_array().unwrap();
     assert_eq!(
         (rows.len(), &flight["totals"]["slot_errors"]),

@@ -4,6 +4,7 @@ use super::table::{asked, missed, rounded, times, with_interval};
 use super::{BenchReport, Measured, heading};
 use crate::bench::{EqualError, Kind};
 use crate::html::{escaped, page};
+use crate::words::scene_name;
 use std::fmt::Write;
 
 /// What the page looks like beside what all have.
@@ -64,9 +65,12 @@ pub fn html(report: &BenchReport) -> String {
         );
     }
     for failed in &report.failed {
+        let on = failed.backend.as_ref();
+        let on = on.map(|backend| format!(" on <code>{}</code>", escaped(backend)));
         let _ = write!(
             body,
-            "<p><b>Not measured</b>: <code>{}</code>: {}</p>",
+            "<p><b>Not measured</b>{}: <code>{}</code>: {}</p>",
+            on.unwrap_or_default(),
             escaped(&failed.scene),
             escaped(&failed.reason)
         );
@@ -77,7 +81,7 @@ pub fn html(report: &BenchReport) -> String {
         let _ = write!(
             body,
             "<h2>{} on {}</h2><p>{}. Driver: {}.</p>",
-            escaped(&super::plots::stem(&measured.scene)),
+            escaped(&scene_name(&measured.scene)),
             escaped(&measured.backend),
             escaped(&heading(measured)),
             escaped(&measured.driver)
@@ -122,7 +126,7 @@ fn summary(body: &mut String, all: &[Measured]) {
                 body,
                 "<tr><td>{}<td>{}<td class=n>{frames}<td class=n>{}<td class=n>{} %<td class=n>{}<td class=n>{traced}\
                  <td class=n>{}<td class=n>{}</tr>",
-                escaped(&super::plots::stem(&measured.scene)),
+                escaped(&scene_name(&measured.scene)),
                 escaped(&measured.backend),
                 rounded(own.seconds.mean, 3, false),
                 with_interval(own.errors.mape, 100.0, false),

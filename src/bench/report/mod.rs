@@ -13,6 +13,7 @@ pub use plots::plots;
 pub use table::{equal_error_table, table};
 
 use super::{EqualError, Pictures, Row};
+use crate::backends::NotRun;
 use crate::compare::{MaskCounts, Metrics};
 use crate::words::counted;
 use serde::Serialize;
@@ -45,20 +46,13 @@ pub struct Machine {
     pub gibs: String,
 }
 
-/// A backend that is missing.
-#[derive(Clone, Debug, Serialize)]
-pub struct NotRun {
-    /// Its name.
-    pub backend: String,
-    /// Why, and what to do.
-    pub reason: String,
-}
-
 /// A scene that could not be measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct Failed {
     /// The scene, as it was asked for.
     pub scene: String,
+    /// The backend on which it was not; `None` of one that is measured on none, for want of a truth.
+    pub backend: Option<String>,
     /// Why, and what to do.
     pub reason: String,
 }

@@ -2,6 +2,7 @@
 use super::Measured;
 use crate::bench::{After, Kind, Mean, Row};
 use crate::plot::{Axis, Marks, Plot, Series};
+use crate::words::scene_name;
 
 /// An error that is drawn.
 #[derive(Clone, Copy)]
@@ -162,11 +163,9 @@ pub(super) fn front(measured: &Measured) -> Plot {
 }
 
 fn title(measured: &Measured, what: &str) -> String {
-    format!("{} on {}: {what}", stem(&measured.scene), measured.backend)
-}
-
-/// The name of a scene without folders and extension.
-pub(super) fn stem(scene: &str) -> String {
-    let stem = std::path::Path::new(scene).file_stem().unwrap_or_default();
-    stem.to_string_lossy().into_owned()
+    format!(
+        "{} on {}: {what}",
+        scene_name(&measured.scene),
+        measured.backend
+    )
 }

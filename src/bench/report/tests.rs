@@ -119,6 +119,7 @@ fn report(measured: Measured) -> BenchReport {
         }],
         failed: vec![Failed {
             scene: "a <scene>".into(),
+            backend: None,
             reason: "it is <dark>".into(),
         }],
         measured: vec![measured],

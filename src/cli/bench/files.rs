@@ -2,6 +2,7 @@
 use crate::bench::{self, BenchReport, Measured};
 use crate::cli::CommandError;
 use crate::picture::replace_file;
+use crate::words::scene_name;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -58,12 +59,9 @@ pub fn left_of_before(folder: &Path, written: &BTreeSet<PathBuf>) -> usize {
 
 /// How names of files begin: the scene's name, with a number where an earlier scene has the same, and the backend.
 pub fn stem(scenes: &[String], index: usize, backend: &str) -> String {
-    let name = |scene: &str| {
-        let stem = Path::new(scene).file_stem().unwrap_or_default();
-        stem.to_string_lossy().into_owned()
-    };
-    let own = name(&scenes[index]);
-    match scenes[..index].iter().filter(|s| name(s) == own).count() {
+    let own = scene_name(&scenes[index]);
+    let earlier = scenes[..index].iter();
+    match earlier.filter(|scene| scene_name(scene) == own).count() {
         0 => format!("{own}-{backend}"),
         earlier => format!("{own}-{}-{backend}", earlier + 1),
     }

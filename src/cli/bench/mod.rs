@@ -9,8 +9,8 @@ use super::output::{prepare_folder, progress, say, warning};
 use super::run::{warn_of_no_light, warn_of_truth};
 use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
 use crate::bench::{
-    self, AboutTruth, BenchReport, Configuration, Failed, Machine, Measured, Options, Pictures,
-    Target, Truth, TruthCache,
+    self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
+    Pictures, Target, Truth, TruthCache,
 };
 use crate::compare::CompareOptions;
 use crate::conditions::{settings_map, view_value};
@@ -217,59 +217,77 @@ impl Work<'_> {
         };
         let mut done = Ok(());
         for (index, scene) in self.args.scenes.iter().enumerate() {
-            let Err(error) = self.scene(index, first.as_ref(), report, written) else {
-                continue;
+            let held = self.hold(index, first.as_ref());
+            let mut fail =
+                |backend: Option<&str>, error: CommandError, report: &mut BenchReport| {
+                    report.failed.push(Failed {
+                        scene: scene.clone(),
+                        backend: backend.map(str::to_owned),
+                        reason: error.to_string(),
+                    });
+                    if done.is_err() {
+                        warning!("{error}");
+                    }
+                    done = std::mem::replace(&mut done, Ok(())).and(Err(error));
+                    self.write(report)
+                };
+            let held = match held {
+                Ok(held) => held,
+                Err(error) => {
+                    fail(None, error, report)?;
+                    continue;
+                }
             };
-            report.failed.push(Failed {
-                scene: scene.clone(),
-                reason: error.to_string(),
-            });
-            if let Some(folder) = &self.args.report
-                && !report.measured.is_empty()
-            {
-                files::write(folder, report, &json(report))?;
+            for backend in self.backends {
+                match self.on(index, backend.as_ref(), &held, written) {
+                    Ok(measured) => {
+                        report.measured.push(measured);
+                        self.write(report)?;
+                    }
+                    Err(error) => fail(Some(backend.name()), error, report)?,
+                }
             }
-            if done.is_err() {
-                warning!("{error}");
-            }
-            done = done.and(Err(error));
         }
         done
     }
 
-    fn scene(
-        &self,
-        index: usize,
-        first: &dyn Backend,
-        report: &mut BenchReport,
-        written: &mut BTreeSet<PathBuf>,
-    ) -> Result<(), CommandError> {
-        let Self {
-            args,
-            options,
-            cache,
-            ..
-        } = *self;
-        let (name, loaded) = (&args.scenes[index], &self.scenes[index]);
-        let target = |backend| Target {
+    /// Writes the files of the report, with all that was measured so far.
+    fn write(&self, report: &BenchReport) -> Result<(), CommandError> {
+        match &self.args.report {
+            Some(folder) if !report.measured.is_empty() => {
+                files::write(folder, report, &json(report))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn target<'a>(&'a self, index: usize, backend: &'a dyn Backend) -> Target<'a> {
+        let loaded = &self.scenes[index];
+        Target {
             backend,
             scene: &loaded.scene,
             view: &loaded.view,
-            size: args.size,
-        };
-        // One truth for all backends, so that its noise is the same for all.
-        let of_first = target(first);
+            size: self.args.size,
+        }
+    }
+
+    /// What all backends are held against in a scene: one truth, so that its noise is the same for all.
+    fn hold(&self, index: usize, first: &dyn Backend) -> Result<Held, CommandError> {
+        let Self { args, cache, .. } = *self;
+        let (name, loaded) = (&args.scenes[index], &self.scenes[index]);
+        let of_first = self.target(index, first);
         let truth = match self.truth {
             Some(truth) => truth.clone(),
             None => truth::path_trace(&of_first, args.spp, cache)?,
         };
+        let mask = truth.check(name)?;
         let mut about = AboutTruth {
             file: args.truth.as_ref().map(|path| path.display().to_string()),
             step: truth.step(),
             samples: truth.samples,
             standard_error: truth.standard_error,
             noise: None,
-            mask: truth.check(name)?,
+            mask,
             elsewhere: None,
         };
         if let Some(path) = &args.truth {
@@ -285,30 +303,44 @@ impl Work<'_> {
             Some(_) => Some(truth::look(&truth, &of_first, args.spp, cache)?),
             None => None,
         };
-        for backend in self.backends {
-            let target = target(backend.as_ref());
-            let mut measured = measure(&target, &truth, &about, options, name)?;
-            measured.exposure = loaded.view.exposure;
-            measured.pictures.look = look.clone();
-            if !args.json {
-                let tables = bench::table(&measured.rows);
-                let equal = bench::equal_error_table(&measured.equal_error);
-                say!("{}\n\n{tables}\n{equal}", bench::heading(&measured));
-            }
-            if let Some(folder) = &args.report {
-                let stem = files::stem(&args.scenes, index, backend.name());
-                written.extend(files::write_plots(folder, &stem, &measured)?);
-                if args.pictures {
-                    written.extend(measured.pictures.write(folder, &stem, &truth)?);
-                }
-            }
-            report.measured.push(measured);
-            if let Some(folder) = &args.report {
-                files::write(folder, report, &json(report))?;
+        Ok(Held { truth, about, look })
+    }
+
+    /// Measures a scene on one backend, and writes its plots and pictures.
+    fn on(
+        &self,
+        index: usize,
+        backend: &dyn Backend,
+        held: &Held,
+        written: &mut BTreeSet<PathBuf>,
+    ) -> Result<Measured, CommandError> {
+        let args = self.args;
+        let target = self.target(index, backend);
+        let mut measured = measure(&target, held, self.options, &args.scenes[index])?;
+        measured.exposure = target.view.exposure;
+        measured.pictures.look = held.look.clone();
+        if !args.json {
+            let tables = bench::table(&measured.rows);
+            let equal = bench::equal_error_table(&measured.equal_error);
+            say!("{}\n\n{tables}\n{equal}", bench::heading(&measured));
+        }
+        if let Some(folder) = &args.report {
+            let stem = files::stem(&args.scenes, index, backend.name());
+            written.extend(files::write_plots(folder, &stem, &measured)?);
+            if args.pictures {
+                let written_now = measured.pictures.write(folder, &stem, &held.truth)?;
+                written.extend(written_now);
             }
         }
-        Ok(())
+        Ok(measured)
     }
+}
+
+/// What the pictures of a scene are held against.
+struct Held {
+    truth: Truth,
+    about: AboutTruth,
+    look: Option<Look>,
 }
 
 /// Refuses options that are of one scene where there are several.
@@ -330,13 +362,12 @@ fn one_scene(args: &Args) -> Result<(), CommandError> {
 
 fn measure(
     target: &Target<'_>,
-    truth: &Truth,
-    about: &AboutTruth,
+    held: &Held,
     options: &Options,
     scene: &str,
 ) -> Result<Measured, CommandError> {
     let bar = progress(bench::work(options), "measuring");
-    let done = bench::measure(target, truth, options, || bar.inc(1));
+    let done = bench::measure(target, &held.truth, options, || bar.inc(1));
     bar.finish_and_clear();
     let done = done?;
     for warning in &done.warnings {
@@ -355,7 +386,7 @@ fn measure(
         settings: first.map(settings_map).unwrap_or_default(),
         rays: first.map_or(0, |settings| settings.rays),
         seeds: options.seeds,
-        truth: about.clone(),
+        truth: held.about.clone(),
         rows: done.rows,
         equal_error: done.equal_error,
         same_as_path_tracing: done.same,

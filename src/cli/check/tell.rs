@@ -1,7 +1,8 @@
 //! What the command says on standard output.
 use crate::check::{Row, Summary, Verdict, Worst, word};
 use crate::cli::CommandError;
-use crate::cli::output::{printable, say};
+use crate::cli::output::say;
+use crate::words::printable;
 
 /// The participants, the table of all ports, what is not equal, what was left open, and in the last line whether it passed.
 pub fn tell(summary: &Summary<'_>) -> Result<(), CommandError> {

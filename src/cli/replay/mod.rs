@@ -3,9 +3,10 @@ mod shrink;
 
 use super::CommandError;
 use super::check::Way;
-use super::output::{printable, say};
+use super::output::say;
 use crate::check::{Capture, CaptureError, replay, verify};
 use crate::picture::ensure_writable;
+use crate::words::printable;
 use gibs_passes::stages;
 use serde::Serialize;
 use shrink::{Shrunk, shrink};

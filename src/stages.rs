@@ -1,11 +1,11 @@
-//! Steps that belong together.
+//! Steps of the frame that belong together.
 use gibs_graph::{Action, Schedule};
 
 /// Group of steps whose label has none.
 const OTHERS: &str = "others";
 
 /// Positions of equal names, by their first appearance.
-pub(super) fn fold<T: PartialEq>(names: impl Iterator<Item = T>) -> Vec<(T, Vec<usize>)> {
+pub(crate) fn fold<T: PartialEq>(names: impl Iterator<Item = T>) -> Vec<(T, Vec<usize>)> {
     let mut folded: Vec<(T, Vec<usize>)> = Vec::new();
     for (position, name) in names.enumerate() {
         match folded.iter_mut().find(|(known, _)| *known == name) {
@@ -17,7 +17,7 @@ pub(super) fn fold<T: PartialEq>(names: impl Iterator<Item = T>) -> Vec<(T, Vec<
 }
 
 /// The group of a step: what its label has before the slash. A clear belongs to the stage that it comes right before.
-pub(super) fn group_of(schedule: &Schedule, step: usize) -> String {
+pub(crate) fn group_of(schedule: &Schedule, step: usize) -> String {
     let mut from_here = schedule.steps.iter().skip(step);
     let stage = from_here.find(|step| matches!(step.action, Action::Dispatch(_)));
     let group = stage.and_then(|step| step.label.split_once('/'));
@@ -26,7 +26,7 @@ pub(super) fn group_of(schedule: &Schedule, step: usize) -> String {
 
 /// What steps are called that do the same at several places of a frame: the label without the group, without the
 /// number of the repetition, and prefix sums and clears as one.
-pub(super) fn stage_of(label: &str) -> String {
+pub(crate) fn stage_of(label: &str) -> String {
     let Some((_, name)) = label.split_once('/') else {
         return label.split(' ').next().unwrap_or(label).to_owned();
     };
