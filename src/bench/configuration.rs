@@ -41,11 +41,16 @@ pub fn configurations(
     }));
     let most = Settings::all().into_iter().find(|info| info.name == "rays");
     let most = most.map_or(u32::MAX, |info| info.most as u32);
-    let budgets = [
-        ("1/4 of the rays", settings.rays / 4),
-        ("4 x the rays", settings.rays.saturating_mul(4).min(most)),
-    ];
-    all.extend(budgets.map(|(name, rays)| Configuration {
+    let more = match settings.rays.saturating_mul(4) {
+        more if more <= most => ("4 x the rays", more),
+        _ => ("the most rays", most),
+    };
+    let budgets = [("1/4 of the rays", settings.rays / 4), more];
+    // Of the most, there are no more.
+    let others = budgets
+        .into_iter()
+        .filter(|(_, rays)| *rays != settings.rays);
+    all.extend(others.map(|(name, rays)| Configuration {
         name: name.into(),
         about: format!("{rays} rays a frame at most"),
         element: None,

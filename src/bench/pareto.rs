@@ -13,9 +13,12 @@ pub(super) fn mark(rows: &mut [Row]) {
         .filter(|(seconds, error, _)| seconds.is_finite() && error.is_finite())
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut least = f64::INFINITY;
-    for (_, error, pareto) in all {
-        *pareto = error < least;
-        least = least.min(error);
+    let mut best = (f64::INFINITY, f64::INFINITY);
+    for (seconds, error, pareto) in all {
+        // Equals are both on the front.
+        *pareto = error < best.1 || (seconds, error) == best;
+        if error < best.1 {
+            best = (seconds, error);
+        }
     }
 }

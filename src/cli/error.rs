@@ -4,6 +4,7 @@ use crate::backends::UnknownBackend;
 use crate::bench::BenchError;
 use crate::check::{CaptureError, CheckError};
 use crate::cli::compare::CompareCommandError;
+use crate::cli::output::warning;
 use crate::compare::CompareError;
 use crate::gltf_import::ImportError;
 use crate::measure::{PathError, StressError};
@@ -272,5 +273,24 @@ impl CommandError {
             | Self::Bench(BenchError::NotFinite { .. }) => 1,
             _ => 2,
         }
+    }
+}
+
+/// What failed of several things that were tried one after the other.
+#[derive(Debug, Default)]
+pub(super) struct Failures(Option<CommandError>);
+
+impl Failures {
+    /// Keeps the first; a warning tells of any other.
+    pub fn add(&mut self, error: CommandError) {
+        match &self.0 {
+            None => self.0 = Some(error),
+            Some(_) => warning!("{error}"),
+        }
+    }
+
+    /// The first.
+    pub fn first(self) -> Result<(), CommandError> {
+        self.0.map_or(Ok(()), Err)
     }
 }

@@ -1,22 +1,17 @@
 //! `gibs bench`: speed against error.
 mod files;
 mod truth;
+mod work;
 
 use super::CommandError;
 use super::chosen::{self, Chosen, Opened};
-use super::compare::noise_of;
-use super::output::{prepare_folder, progress, say, warning};
-use super::run::{warn_of_no_light, warn_of_truth};
-use super::scene::{Loaded, SceneArgs, SettingsArgs, element, size};
-use crate::bench::{
-    self, AboutTruth, BenchReport, Configuration, Failed, Look, Machine, Measured, Options,
-    Pictures, Target, Truth, TruthCache,
-};
-use crate::compare::CompareOptions;
-use crate::conditions::{settings_map, view_value};
-use gibs_graph::Backend;
+use super::output::{prepare_folder, say, warning};
+use super::run::warn_of_no_light;
+use super::scene::{SceneArgs, SettingsArgs, element, size};
+use crate::bench::{self, BenchReport, Configuration, Machine, Options, Truth, TruthCache};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use work::Work;
 
 /// Measure speed against error: what each element of the technique gains and costs, beside path tracing
 ///
@@ -90,6 +85,13 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
+    // What is named twice is measured once.
+    let mut names = BTreeSet::new();
+    let scenes = args.scenes.iter().filter(|name| names.insert(*name));
+    let args = &Args {
+        scenes: scenes.cloned().collect(),
+        ..args.clone()
+    };
     one_scene(args)?;
     let settings = args.settings.load()?;
     settings.check()?;
@@ -107,7 +109,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         (true, _) => Configuration::elements(),
         (false, true) => Vec::new(),
         (false, false) => {
-            // What is named twice is measured once.
             let mut names = BTreeSet::new();
             let once = args.elements.iter().filter(|name| names.insert(*name));
             let named = once.map(|name| element("--elements", name));
@@ -190,159 +191,6 @@ fn json(report: &BenchReport) -> String {
     serde_json::to_string_pretty(report).unwrap_or_default()
 }
 
-/// What is to be measured.
-struct Work<'a> {
-    args: &'a Args,
-    options: &'a Options,
-    scenes: &'a [Loaded],
-    backends: &'a [Box<dyn Backend>],
-    /// The truth that was given.
-    truth: Option<&'a Truth>,
-    cache: Option<&'a TruthCache>,
-}
-
-impl Work<'_> {
-    /// Measures every scene on every backend, those after one that cannot be measured too. The files are written anew after
-    /// each, with all that is there by then; `written` hears of plots and pictures.
-    ///
-    /// # Errors
-    /// That of the first scene that could not be measured.
-    fn measure(
-        &self,
-        report: &mut BenchReport,
-        written: &mut BTreeSet<PathBuf>,
-    ) -> Result<(), CommandError> {
-        let Some(first) = self.backends.first() else {
-            return Ok(());
-        };
-        let mut done = Ok(());
-        for (index, scene) in self.args.scenes.iter().enumerate() {
-            let held = self.hold(index, first.as_ref());
-            let mut fail =
-                |backend: Option<&str>, error: CommandError, report: &mut BenchReport| {
-                    report.failed.push(Failed {
-                        scene: scene.clone(),
-                        backend: backend.map(str::to_owned),
-                        reason: error.to_string(),
-                    });
-                    if done.is_err() {
-                        warning!("{error}");
-                    }
-                    done = std::mem::replace(&mut done, Ok(())).and(Err(error));
-                    self.write(report)
-                };
-            let held = match held {
-                Ok(held) => held,
-                Err(error) => {
-                    fail(None, error, report)?;
-                    continue;
-                }
-            };
-            for backend in self.backends {
-                match self.on(index, backend.as_ref(), &held, written) {
-                    Ok(measured) => {
-                        report.measured.push(measured);
-                        self.write(report)?;
-                    }
-                    Err(error) => fail(Some(backend.name()), error, report)?,
-                }
-            }
-        }
-        done
-    }
-
-    /// Writes the files of the report, with all that was measured so far.
-    fn write(&self, report: &BenchReport) -> Result<(), CommandError> {
-        match &self.args.report {
-            Some(folder) if !report.measured.is_empty() => {
-                files::write(folder, report, &json(report))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn target<'a>(&'a self, index: usize, backend: &'a dyn Backend) -> Target<'a> {
-        let loaded = &self.scenes[index];
-        Target {
-            backend,
-            scene: &loaded.scene,
-            view: &loaded.view,
-            size: self.args.size,
-        }
-    }
-
-    /// What all backends are held against in a scene: one truth, so that its noise is the same for all.
-    fn hold(&self, index: usize, first: &dyn Backend) -> Result<Held, CommandError> {
-        let Self { args, cache, .. } = *self;
-        let (name, loaded) = (&args.scenes[index], &self.scenes[index]);
-        let of_first = self.target(index, first);
-        let truth = match self.truth {
-            Some(truth) => truth.clone(),
-            None => truth::path_trace(&of_first, args.spp, cache)?,
-        };
-        let mask = truth.check(name)?;
-        let mut about = AboutTruth {
-            file: args.truth.as_ref().map(|path| path.display().to_string()),
-            step: truth.step(),
-            samples: truth.samples,
-            standard_error: truth.standard_error,
-            noise: None,
-            mask,
-            elsewhere: None,
-        };
-        if let Some(path) = &args.truth {
-            about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
-            if let Some([half_a, half_b]) = args.halves.as_deref() {
-                let options = CompareOptions::default();
-                let noise = noise_of([half_a, half_b], truth.picture(), path, &options)?;
-                // Of halves that are none it is nothing.
-                about.noise = (!noise.doubted).then_some(noise.errors);
-            }
-        }
-        let look = match args.report {
-            Some(_) => Some(truth::look(&truth, &of_first, args.spp, cache)?),
-            None => None,
-        };
-        Ok(Held { truth, about, look })
-    }
-
-    /// Measures a scene on one backend, and writes its plots and pictures.
-    fn on(
-        &self,
-        index: usize,
-        backend: &dyn Backend,
-        held: &Held,
-        written: &mut BTreeSet<PathBuf>,
-    ) -> Result<Measured, CommandError> {
-        let args = self.args;
-        let target = self.target(index, backend);
-        let mut measured = measure(&target, held, self.options, &args.scenes[index])?;
-        measured.exposure = target.view.exposure;
-        measured.pictures.look = held.look.clone();
-        if !args.json {
-            let tables = bench::table(&measured.rows);
-            let equal = bench::equal_error_table(&measured.equal_error);
-            say!("{}\n\n{tables}\n{equal}", bench::heading(&measured));
-        }
-        if let Some(folder) = &args.report {
-            let stem = files::stem(&args.scenes, index, backend.name());
-            written.extend(files::write_plots(folder, &stem, &measured)?);
-            if args.pictures {
-                let written_now = measured.pictures.write(folder, &stem, &held.truth)?;
-                written.extend(written_now);
-            }
-        }
-        Ok(measured)
-    }
-}
-
-/// What the pictures of a scene are held against.
-struct Held {
-    truth: Truth,
-    about: AboutTruth,
-    look: Option<Look>,
-}
-
 /// Refuses options that are of one scene where there are several.
 fn one_scene(args: &Args) -> Result<(), CommandError> {
     let given = [("--view", &args.view), ("--truth", &args.truth)];
@@ -358,42 +206,4 @@ fn one_scene(args: &Args) -> Result<(), CommandError> {
         }
     }
     Ok(())
-}
-
-fn measure(
-    target: &Target<'_>,
-    held: &Held,
-    options: &Options,
-    scene: &str,
-) -> Result<Measured, CommandError> {
-    let bar = progress(bench::work(options), "measuring");
-    let done = bench::measure(target, &held.truth, options, || bar.inc(1));
-    bar.finish_and_clear();
-    let done = done?;
-    for warning in &done.warnings {
-        warning!("{scene}: {warning}");
-    }
-    let backend: &dyn Backend = target.backend;
-    let device = backend.device();
-    let first = options.configurations.first().map(|first| &first.settings);
-    Ok(Measured {
-        scene: scene.into(),
-        backend: backend.name().into(),
-        device: device.name.clone(),
-        driver: device.driver.clone(),
-        size: options.size,
-        view: view_value(target.view),
-        settings: first.map(settings_map).unwrap_or_default(),
-        rays: first.map_or(0, |settings| settings.rays),
-        seeds: options.seeds,
-        truth: held.about.clone(),
-        rows: done.rows,
-        equal_error: done.equal_error,
-        same_as_path_tracing: done.same,
-        exposure: 1.0,
-        pictures: Pictures {
-            look: None,
-            shots: done.shots,
-        },
-    })
 }

@@ -1,10 +1,60 @@
-//! Path tracing truths, with a bar.
-use crate::bench::{Look, Target, Truth, TruthCache};
+//! What pictures are held against: a truth of a file, of the cache, or path-traced with a bar.
+use super::work::Work;
+use crate::bench::{AboutTruth, Look, Target, Truth, TruthCache};
 use crate::cli::CommandError;
+use crate::cli::compare::noise_of;
 use crate::cli::output::{progress, warning};
+use crate::cli::run::warn_of_truth;
+use crate::compare::CompareOptions;
+use gibs_graph::Backend;
+
+/// What the pictures of a scene are held against.
+pub struct Held {
+    pub truth: Truth,
+    pub about: AboutTruth,
+    /// A picture to look at, where there is a report.
+    pub look: Option<Look>,
+}
+
+impl Held {
+    /// Of a scene: one for all backends, so that its noise is the same for all. The first one path-traces it.
+    pub fn of(work: &Work<'_>, scene: usize, first: &dyn Backend) -> Result<Self, CommandError> {
+        let Work { args, cache, .. } = *work;
+        let (name, loaded) = (&args.scenes[scene], &work.scenes[scene]);
+        let of_first = work.target(scene, first);
+        let truth = match work.truth {
+            Some(truth) => truth.clone(),
+            None => path_trace(&of_first, args.spp, cache)?,
+        };
+        let mask = truth.check(name)?;
+        let mut about = AboutTruth {
+            file: args.truth.as_ref().map(|path| path.display().to_string()),
+            step: truth.step(),
+            samples: truth.samples,
+            standard_error: truth.standard_error,
+            noise: None,
+            mask,
+            elsewhere: None,
+        };
+        if let Some(path) = &args.truth {
+            about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
+            if let Some([half_a, half_b]) = args.halves.as_deref() {
+                let options = CompareOptions::default();
+                let noise = noise_of([half_a, half_b], truth.picture(), path, &options)?;
+                // Of halves that are none it is nothing.
+                about.noise = (!noise.doubted).then_some(noise.errors);
+            }
+        }
+        let look = match args.report {
+            Some(_) => Some(look(&truth, &of_first, args.spp, cache)?),
+            None => None,
+        };
+        Ok(Self { truth, about, look })
+    }
+}
 
 /// The truth of a target, path-traced or of the cache.
-pub fn path_trace(
+fn path_trace(
     target: &Target<'_>,
     samples: u32,
     cache: Option<&TruthCache>,
@@ -20,7 +70,7 @@ pub fn path_trace(
 }
 
 /// Its picture to look at.
-pub fn look(
+fn look(
     truth: &Truth,
     target: &Target<'_>,
     samples: u32,

@@ -1,6 +1,9 @@
 //! `gibs profile`: time, work and memory of every stage.
+mod live;
+
 use super::CommandError;
 use super::chosen::{self, Chosen, Opened};
+use super::error::Failures;
 use super::output::{say, warning};
 use super::run::warn_of_no_light;
 use super::scene::{Loaded, SceneArgs, SettingsArgs};
@@ -8,13 +11,13 @@ use crate::backends::NotRun;
 use crate::gi::Gi;
 use crate::picture::{ensure_writable, replace_file};
 use crate::profile::{
-    Comparison, FORMAT, Options, Profile, ProfileError, Progress, Saving, TimedFrame, beside,
-    chrome_trace, compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
+    Comparison, FORMAT, Options, Profile, ProfileError, Saving, TimedFrame, beside, chrome_trace,
+    compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
 };
 use crate::words::scene_name;
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use live::Live;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -123,7 +126,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     }
     warn_of_no_light(&settings);
     let (mut all, mut failed) = (Vec::new(), Vec::new());
-    let mut done = Ok(());
+    let mut failures = Failures::default();
     for backend in &backends {
         match measured(backend.as_ref(), args, (&loaded, &settings), &gi, old) {
             Ok(measured) => all.push(measured),
@@ -133,15 +136,12 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
                     backend: backend.name().into(),
                     reason: error.to_string(),
                 });
-                if done.is_err() {
-                    warning!("{}: {error}", backend.name());
-                }
-                done = done.and(Err(error));
+                failures.add(error);
             }
         }
     }
     if all.is_empty() {
-        return done;
+        return failures.first();
     }
     if let Some(path) = &args.trace {
         write_trace(path, gi.schedule(), &all)?;
@@ -166,7 +166,7 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         let profiles: Vec<&Profile> = all.iter().map(|measured| &measured.profile).collect();
         say!("{}", beside(&profiles));
     }
-    done
+    failures.first()
 }
 
 /// Measures one backend, and prints it as text where that is wanted.
@@ -288,58 +288,4 @@ fn write_trace(
     let backends: Vec<_> = backends.collect();
     replace_file(path, chrome_trace(&backends).as_bytes())?;
     Ok(())
-}
-
-/// A table on a terminal that changes with every frame; nothing in a pipe.
-struct Live {
-    lines: MultiProgress,
-    title: ProgressBar,
-    groups: Vec<ProgressBar>,
-}
-
-impl Live {
-    fn new(backend: &str) -> Self {
-        let lines = MultiProgress::new();
-        let title = lines.add(ProgressBar::new(0));
-        if let Ok(style) =
-            ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta} {msg}")
-        {
-            title.set_style(style);
-        }
-        title.set_prefix(backend.to_owned());
-        Self {
-            lines,
-            title,
-            groups: Vec::new(),
-        }
-    }
-
-    fn show(&mut self, progress: &Progress) {
-        self.title.set_length(progress.of.into());
-        self.title.set_position(progress.done.into());
-        self.title.set_message(match progress.frame_ms {
-            Some(ms) => format!("{ms:.2} ms"),
-            None => "warming up".into(),
-        });
-        let measured = progress.groups.iter().filter(|group| group.ms.is_some());
-        for (index, group) in measured.enumerate() {
-            if self.groups.len() <= index {
-                let bar = self.lines.add(ProgressBar::new(1000));
-                if let Ok(style) = ProgressStyle::with_template("  {prefix:12} {wide_bar} {msg}") {
-                    bar.set_style(style);
-                }
-                bar.set_prefix(group.name.clone());
-                self.groups.push(bar);
-            }
-            let (ms, share) = (group.ms.as_ref().map_or(0.0, |ms| ms.median), group.share);
-            self.groups[index].set_position((share * 1000.0) as u64);
-            self.groups[index].set_message(format!("{ms:>9.3} ms {:>5.1} %", share * 100.0));
-        }
-    }
-
-    fn clear(&self) {
-        for bar in self.groups.iter().chain([&self.title]) {
-            bar.finish_and_clear();
-        }
-    }
 }
