@@ -53,9 +53,11 @@ pub enum Order {
 pub struct Lists {
     /// What the lists are, for reports.
     pub name: &'static str,
-    /// Ranges of elements, from the ports of the stage after it ran. A list that ends beyond the port did not fit: which of
-    /// its elements are there is chance, so they are not compared, and no later stage may read them.
+    /// Ranges of elements, from the ports of the stage after it ran.
     pub of: fn(&Ports<'_>) -> Vec<Range<usize>>,
+    /// Of so many elements of the port, those that lists may take, from the first on. A list that ends beyond them did not fit:
+    /// which of its elements are there is chance, so they are not compared, and no later stage may read them.
+    pub room: fn(usize) -> usize,
 }
 
 impl Comparator {

@@ -65,17 +65,23 @@ pub fn compare(
     let count = a.len().min(b.len()) / size;
     let longest = (a.len().max(b.len()) / size).max(len as usize);
     let in_order = comparator.order == Order::InOrder || a == b;
-    let places: Option<[Vec<u32>; 2]> =
-        (!in_order).then(|| [a, b].map(|bytes| sorted(bytes, size, count, comparator, lists)));
-    // A list that does not fit whole holds whatever came first, and nobody may read it.
-    let unfit: Vec<Range<usize>> = match comparator.order {
-        Order::AnyWithin(_) => lists
-            .iter()
-            .filter(|list| !list.is_empty() && list.end > count && list.start < count)
-            .cloned()
-            .collect(),
-        _ => Vec::new(),
+    // What the order is free within, and of that the lists that do not fit whole: they hold whatever came first, and nobody may
+    // read them.
+    let (free, unfit) = match comparator.order {
+        Order::InOrder => (Vec::new(), Vec::new()),
+        Order::Any => (std::slice::from_ref(&(0..count)).to_vec(), Vec::new()),
+        Order::AnyWithin(of) => {
+            let room = (of.room)(count).min(count);
+            let there = lists
+                .iter()
+                .filter(|list| !list.is_empty() && list.start < room);
+            let (fit, unfit): (Vec<_>, Vec<_>) = there.cloned().partition(|list| list.end <= room);
+            let cut = unfit.into_iter().map(|list| list.start..room);
+            (fit, cut.collect())
+        }
     };
+    let places: Option<[Vec<u32>; 2]> =
+        (!in_order).then(|| [a, b].map(|bytes| sorted(bytes, size, count, &free)));
     let mut found = Comparison {
         elements: longest as u64,
         unequal: (longest - count) as u64,
@@ -159,26 +165,12 @@ fn keep_worst(worst: &mut Option<Difference>, new: Difference) {
     }
 }
 
-/// The elements in the order in which they are compared.
-fn sorted(
-    bytes: &[u8],
-    size: usize,
-    count: usize,
-    comparator: &Comparator,
-    lists: &[Range<usize>],
-) -> Vec<u32> {
+/// The elements in the order in which they are compared: by their bytes within `free` ranges.
+fn sorted(bytes: &[u8], size: usize, count: usize, free: &[Range<usize>]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     let key = |i: &u32| &bytes[*i as usize * size..][..size];
-    let everything = std::slice::from_ref(&(0..count)).to_vec();
-    let ranges = match comparator.order {
-        Order::Any => &everything,
-        _ => lists,
-    };
-    for range in ranges {
-        let (from, to) = (range.start.min(count), range.end.min(count));
-        if from < to {
-            order[from..to].sort_by(|a, b| key(a).cmp(key(b)));
-        }
+    for range in free {
+        order[range.clone()].sort_by(|a, b| key(a).cmp(key(b)));
     }
     order
 }

@@ -18,6 +18,7 @@ const LISTS: Lists = Lists {
         };
         cells.zip(ports.get::<u32>("born")).map(new).collect()
     },
+    room: |entries| entries,
 };
 
 stage! {

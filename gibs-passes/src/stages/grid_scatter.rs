@@ -21,6 +21,8 @@ const LISTS: Lists = Lists {
         };
         lists.map(list).collect()
     },
+    // The other half is for the lists with the new surfels.
+    room: |entries| entries / 2,
 };
 
 stage! {

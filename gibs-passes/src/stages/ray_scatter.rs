@@ -16,6 +16,7 @@ const BINS: Lists = Lists {
         let bin = |(start, count): (u32, u32)| start as usize..start as usize + count as usize;
         bins.map(bin).collect()
     },
+    room: |rays| rays,
 };
 
 stage! {
