@@ -1,8 +1,16 @@
 //! What the surfels around a point say: weights, coverage and the gather (GIBS, "Light Apply", "Radial Gaussian
 //! Depth").
+mod several;
+#[cfg(test)]
+mod tests;
+
+pub use several::{
+    AT_A_TIME, Owns, Points, at_points, at_surfels, coverages, crowds, gathers, neighbours,
+};
+
 use super::depth::{openness, visibility};
 use super::lists::{List, Surfels};
-use super::{mark, octahedral, plane, surface};
+use super::{mark, octahedral, plane};
 use crate::data::{Gathered, SurfacePoint, SurfelLight, SurfelPose};
 use glam::Vec3;
 
@@ -116,61 +124,6 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Points that are looked up at a time.
-pub const AT_A_TIME: usize = 16;
-
-/// Points on surfaces that are looked up at a time; none where there is none.
-pub type Points<'a> = [Option<&'a SurfacePoint>; AT_A_TIME];
-
-/// Calls `each` with the places of the points that `place` has for a range, [`AT_A_TIME`], and with those points.
-#[inline(always)]
-pub fn at_points(
-    points: &[SurfacePoint],
-    range: std::ops::Range<usize>,
-    place: impl Fn(usize) -> usize,
-    mut each: impl FnMut(&[usize], &Points<'_>),
-) {
-    for start in range.clone().step_by(AT_A_TIME) {
-        let mut places = [0; AT_A_TIME];
-        let mut surfaces = [None; AT_A_TIME];
-        let count = (range.end - start).min(AT_A_TIME);
-        let both = places.iter_mut().zip(&mut surfaces);
-        for (i, (at, surface)) in (start..range.end).zip(both) {
-            *at = place(i);
-            *surface = Some(&points[*at]).filter(|point| surface::is_surface(point));
-        }
-        each(&places[..count], &surfaces);
-    }
-}
-
-/// [`coverage`] at each of several points, zero where there is none.
-#[inline]
-pub fn coverages(
-    points: &Points<'_>,
-    s: &Surfels<'_>,
-    mut seen: impl FnMut(usize),
-) -> [f32; AT_A_TIME] {
-    points.map(|point| match point {
-        Some(point) => coverage(&Place::new(point, s), s, &mut seen),
-        None => 0.0,
-    })
-}
-
-/// [`gather`] at each of several points, nothing where there is none.
-#[inline]
-pub fn gathers(
-    points: &Points<'_>,
-    enough: f32,
-    beyond: impl Fn(usize) -> Option<Vec3>,
-    s: &Surfels<'_>,
-    light: &[SurfelLight],
-) -> [Gathered; AT_A_TIME] {
-    std::array::from_fn(|i| match points[i] {
-        Some(point) => gather(&Place::new(point, s), enough, beyond(i), s, light),
-        None => Gathered::default(),
-    })
-}
-
 /// Share of a surfel's light that its depth function lets through to a point within its radius, at `d` from it.
 #[inline]
 pub fn share(s: &Surfels<'_>, id: usize, d: Vec3) -> f32 {
@@ -199,40 +152,6 @@ pub fn coverage(place: &Place<'_>, s: &Surfels<'_>, mut seen: impl FnMut(usize))
         }
     }
     sum
-}
-
-/// Calls `each` with the surfels in the list of a surfel that `wanted` wants and their weights: with the normal and depth
-/// factors of [`gather`], a reach of so many radii, and the surfel's own depth function beside theirs, since a wall between the
-/// two may be known to only one of them. Distance counts by [`nearness`]: with its square, which is smooth at the end for the
-/// eye, fewer of them would count.
-#[inline]
-pub fn neighbours(
-    own: usize,
-    list: List<'_>,
-    reach: u32,
-    s: &Surfels<'_>,
-    wanted: impl Fn(usize) -> bool,
-    mut each: impl FnMut(usize, f32),
-) {
-    let place = &s.poses[own];
-    for &id in list.ids {
-        let id = id as usize;
-        let pose = &s.poses[id];
-        let wide = SurfelPose {
-            radius: reach as f32 * pose.radius,
-            ..*pose
-        };
-        let d = place.position - pose.position;
-        let mut weight = nearness(d, &wide) * alignment(place.normal, pose);
-        if weight <= 0.0 || !wanted(id) {
-            continue;
-        }
-        if let (Some(depth), Some(own_depth)) = (s.depths.get(id), s.depths.get(own)) {
-            weight *= visibility(depth, pose, d);
-            weight *= visibility(own_depth, place, pose.position - place.position);
-        }
-        each(id, weight);
-    }
 }
 
 /// Irradiance at a point from the surfels in its cell that have integrated any rays, up to the one with which the summed
@@ -309,6 +228,3 @@ pub fn gather(
     g.average = average(g.average, average_weight, beyond);
     g
 }
-
-#[cfg(test)]
-mod tests;

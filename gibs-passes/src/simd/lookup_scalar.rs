@@ -1,7 +1,7 @@
 //! The lookup of surfels around a point where there is no wide one.
 use crate::data::{Gathered, SurfelLight};
-use crate::shared::lists::{List, Surfels};
-use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, AT_A_TIME, Owns, Points};
 use glam::Vec3;
 
 /// The lookup with the best instructions of this processor.
@@ -14,22 +14,21 @@ impl Lookup {
         Lookup
     }
 
-    /// Same as [`lookup::coverage`].
-    pub fn coverage(self, place: &Place<'_>, s: &Surfels<'_>, seen: impl FnMut(usize)) -> f32 {
-        lookup::coverage(place, s, seen)
+    /// Same as [`lookup::crowds`].
+    pub fn crowds(self, owns: &Owns<'_>, s: &Surfels<'_>) -> [f32; AT_A_TIME] {
+        lookup::crowds(owns, s)
     }
 
     /// Same as [`lookup::neighbours`].
-    pub fn neighbours(
+    pub fn neighbours<const REACH: u32>(
         self,
-        own: usize,
-        list: List<'_>,
-        reach: u32,
+        owns: &Owns<'_>,
         s: &Surfels<'_>,
+        _: impl Fn(usize),
         wanted: impl Fn(usize) -> bool,
-        each: impl FnMut(usize, f32),
+        each: impl FnMut(usize, usize, f32),
     ) {
-        lookup::neighbours(own, list, reach, s, wanted, each);
+        lookup::neighbours::<REACH>(owns, s, wanted, each);
     }
 
     /// Same as [`lookup::coverages`].

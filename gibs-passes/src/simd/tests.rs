@@ -7,7 +7,7 @@ use crate::shared::depth::Depths;
 use crate::shared::grid::{self, GridLayout};
 use crate::shared::hash::{hash2, hash3, unit};
 use crate::shared::lists::Surfels;
-use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
+use crate::shared::lookup::{self, AT_A_TIME, Points};
 use crate::shared::{depth, mark, octahedral, plane};
 use glam::{UVec2, Vec3};
 
@@ -82,7 +82,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         let pose = &poses[id as usize];
         bounds::pack(pose.position - grid.centre, pose.radius, steps)
     };
-    let (mut covered, mut averaged, mut long) = (0, 0, 0);
+    let (mut covered, mut averaged, mut long, mut crowded) = (0, 0, 0, 0);
     let both = |case| [(case, Lookup::new()), (case, Lookup::eight_wide())];
     for (case, wide) in (0..3000u32).flat_map(both) {
         // Once in a while more than the wide lookups line up.
@@ -110,38 +110,39 @@ fn the_wide_lookup_is_the_scalar_one() {
             grid: &grid,
             settings: &settings,
         };
-        // Every ninth point is the centre of a surfel.
-        let (point, normal) = match ids.first() {
-            Some(&id) if case % 9 == 0 => (poses[id as usize].position, poses[id as usize].normal),
-            _ => (direction(case, 20) * random(case, 23), direction(case, 24)),
-        };
-        let place = Place {
-            position: point,
-            normal,
-            list: surfels.around(point),
-        };
-        let (mut seen, mut same_seen) = (Vec::new(), Vec::new());
-        let coverage = lookup::coverage(&place, &surfels, |id| seen.push(id));
-        let same = wide.coverage(&place, &surfels, |id| same_seen.push(id));
-        assert_eq!(seen, same_seen, "case {case}");
-        assert_eq!(coverage.to_bits(), same.to_bits(), "case {case}");
         let (mut around, mut same_around) = (Vec::new(), Vec::new());
-        let own = (case % 200) as usize;
         let wanted = |id: usize| !id.is_multiple_of(7);
-        let each = |id, weight: f32| around.push((id, weight.to_bits()));
-        let own_list = surfels.around(poses[own].position);
-        let reach = 1 + case % 2;
-        lookup::neighbours(own, own_list, reach, &surfels, wanted, each);
-        let each = |id, weight: f32| same_around.push((id, weight.to_bits()));
-        wide.neighbours(own, own_list, reach, &surfels, wanted, each);
+        let owns = |id: usize| hash2(id as u32, case).is_multiple_of(16);
+        lookup::at_surfels(&surfels, 0..200, owns, |owns| {
+            let crowds = lookup::crowds(owns, &surfels).map(f32::to_bits);
+            let same = wide.crowds(owns, &surfels).map(f32::to_bits);
+            assert_eq!(crowds, same, "case {case}");
+            crowded += crowds.iter().filter(|crowd| **crowd != 0).count();
+            let each = |at, id, weight: f32| around.push((at, id, weight.to_bits()));
+            lookup::neighbours::<2>(owns, &surfels, wanted, each);
+            let each = |at, id, weight: f32| same_around.push((at, id, weight.to_bits()));
+            wide.neighbours::<2>(owns, &surfels, |_| {}, wanted, each);
+        });
         assert_eq!(around, same_around, "case {case}");
         long += u32::from(around.len() > 2 * FULL);
         let enough = [f32::MAX, lookup::ENOUGH_AT_HITS, 1.0][case as usize % 3];
         // As many points as are looked up at a time, some of which are missing.
-        let all: [SurfacePoint; AT_A_TIME] = std::array::from_fn(|i| SurfacePoint {
-            position: direction(case, 30 + i as u32) * 0.99 * random(case, 50 + i as u32),
-            shading_normal: octahedral::pack(direction(case, 70 + i as u32)),
-            ..SurfacePoint::default()
+        let all: [SurfacePoint; AT_A_TIME] = std::array::from_fn(|i| {
+            // Every ninth point is the centre of a surfel.
+            let (position, normal) = match ids.get(i) {
+                Some(&id) if (case + i as u32).is_multiple_of(9) => {
+                    (poses[id as usize].position, poses[id as usize].normal)
+                }
+                _ => (
+                    direction(case, 30 + i as u32) * 0.99 * random(case, 50 + i as u32),
+                    direction(case, 70 + i as u32),
+                ),
+            };
+            SurfacePoint {
+                position,
+                shading_normal: octahedral::pack(normal),
+                ..SurfacePoint::default()
+            }
         });
         let points: Points<'_> = std::array::from_fn(|i| {
             (!hash3(case, i as u32, 3).is_multiple_of(8)).then_some(&all[i])
@@ -168,7 +169,7 @@ fn the_wide_lookup_is_the_scalar_one() {
         let is_averaged = |g: &&Gathered| g.weight < 1.0 && g.average.x > 0.0;
         averaged += gathered.iter().filter(is_averaged).count();
     }
-    assert!(long > 10, "{long}");
+    assert!(long > 10 && crowded > 20_000, "{long}, {crowded}");
     assert!(
         covered > 400 && averaged > 3000,
         "{covered} covered, {averaged} averaged"

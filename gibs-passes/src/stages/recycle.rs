@@ -2,7 +2,7 @@
 use crate::data::{Camera, Frame, GridShape, SurfelCounters, SurfelPose, SurfelSettings};
 use crate::shared::depth::Depths;
 use crate::shared::lists::Surfels;
-use crate::shared::lookup::{self, Place};
+use crate::shared::lookup::{self, AT_A_TIME, Owns};
 use crate::shared::{hash, mark, recycling};
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
@@ -33,23 +33,22 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    choose(p, group, |place, surfels, seen| {
-        lookup::coverage(place, surfels, seen)
-    });
+    choose(p, group, lookup::crowds);
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    choose(p, group, |place, surfels, seen| {
-        wide.coverage(place, surfels, seen)
-    });
+    choose(p, group, |owns, surfels| wide.crowds(owns, surfels));
 }
+
+/// Surfels of a workgroup.
+const LANES: usize = 64;
 
 #[inline(always)]
 fn choose(
     p: &Views<'_>,
     group: Workgroup,
-    coverage: impl Fn(&Place<'_>, &Surfels<'_>, &mut dyn FnMut(usize)) -> f32,
+    crowds: impl Fn(&Owns<'_>, &Surfels<'_>) -> [f32; AT_A_TIME],
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),
@@ -59,31 +58,24 @@ fn choose(
         grid: p.grid,
         settings: p.settings,
     };
-    let used = p.counters[0].live as f32 / p.settings.capacity.max(1) as f32;
-    for i in group.range(p.poses.len() as u32) {
+    let range = group.range(p.poses.len() as u32);
+    // Most have just been seen, and look around another time: nothing takes those.
+    let looks = |i: usize| {
         let pose = &p.poses[i];
-        // Most have just been seen, and look around another time: nothing takes those.
-        let looks = recycling::looks(mark::identity(pose.mark), p.frame.number);
+        pose.radius > 0.0 && recycling::looks(mark::identity(pose.mark), p.frame.number)
+    };
+    let mut others = [0.0; LANES];
+    lookup::at_surfels(&surfels, range.clone(), looks, |owns| {
+        let crowds = crowds(owns, &surfels);
+        for (own, crowd) in owns.ids.iter().flatten().zip(crowds) {
+            others[own - range.start] = crowd;
+        }
+    });
+    let used = p.counters[0].live as f32 / p.settings.capacity.max(1) as f32;
+    for (i, others) in range.zip(others) {
+        let pose = &p.poses[i];
         let unseen = p.unseen.get(i);
-        if pose.radius > 0.0 && (looks || unseen >= recycling::LEAST_PATIENCE) {
-            let others = match looks {
-                true => {
-                    let place = Place {
-                        position: pose.position,
-                        normal: pose.normal,
-                        list: surfels.around(pose.position),
-                    };
-                    // In a long list a lookup may not visit the surfel itself.
-                    let mut own = 0.0;
-                    let all = coverage(&place, &surfels, &mut |id| {
-                        if id == i {
-                            own = lookup::PEAK;
-                        }
-                    });
-                    all - own
-                }
-                false => 0.0,
-            };
+        if pose.radius > 0.0 && (looks(i) || unseen >= recycling::LEAST_PATIENCE) {
             let chance = recycling::chance(
                 used,
                 unseen,

@@ -3,8 +3,8 @@ use crate::data::{
     Frame, GridShape, Neighbours, SurfelIrradiance, SurfelLight, SurfelPose, SurfelSettings,
 };
 use crate::shared::depth::Depths;
-use crate::shared::lists::{List, Surfels};
-use crate::shared::lookup;
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, Owns};
 use crate::shared::sharing;
 use crate::simd;
 use gibs_graph::{Workgroup, stage};
@@ -35,17 +35,18 @@ stage! {
 }
 
 fn kernel(p: &Views<'_>, group: Workgroup) {
-    share(p, group, |own, list, surfels, states, each| {
+    share(p, group, |owns, surfels, states, each| {
         let wanted = |id: usize| states[id].samples != 0;
-        lookup::neighbours(own, list, sharing::REACH, surfels, wanted, each);
+        lookup::neighbours::<{ sharing::REACH }>(owns, surfels, wanted, each);
     });
 }
 
 fn wide_kernel(p: &Views<'_>, group: Workgroup) {
     let wide = simd::Lookup::new();
-    share(p, group, |own, list, surfels, states, each| {
+    share(p, group, |owns, surfels, states, each| {
         let wanted = |id: usize| states[id].samples != 0;
-        wide.neighbours(own, list, sharing::REACH, surfels, wanted, each);
+        let soon = |id| simd::prefetch(states, id);
+        wide.neighbours::<{ sharing::REACH }>(owns, surfels, soon, wanted, each);
     });
 }
 
@@ -56,7 +57,7 @@ const LANES: usize = 64;
 fn share(
     p: &Views<'_>,
     group: Workgroup,
-    neighbours: impl Fn(usize, List<'_>, &Surfels<'_>, &[SurfelIrradiance], &mut dyn FnMut(usize, f32)),
+    neighbours: impl Fn(&Owns<'_>, &Surfels<'_>, &[SurfelIrradiance], &mut dyn FnMut(usize, usize, f32)),
 ) {
     let surfels = Surfels {
         cells: p.cells.slice(),
@@ -70,27 +71,17 @@ fn share(
     let age = |id: usize| p.frame.number.wrapping_sub(states[id].since);
     let range = group.range(p.poses.len() as u32);
     let is_due = |i: usize| p.neighbours.get(i).packed == sharing::ASKS.packed;
-    let due: [bool; LANES] = std::array::from_fn(|lane| {
-        let i = range.start + lane;
-        i < range.end && is_due(i)
+    let asks = |i: usize| is_due(i) && sharing::asks(&states[i]);
+    let mut asked = [sharing::Asked::default(); LANES];
+    lookup::at_surfels(&surfels, range.clone(), asks, |owns| {
+        neighbours(owns, &surfels, states, &mut |at, id, weight| {
+            let Some(own) = owns.ids[at] else { return };
+            asked[own - range.start].add(&states[id], weight, age(id), id == own);
+        });
     });
-    if due == [false; LANES] {
-        return;
-    }
-    let asks = |i: usize| sharing::asks(&states[i]);
-    let lists: [_; LANES] = surfels.lists(|lane| {
-        let i = range.start + lane;
-        (due[lane] && asks(i)).then(|| p.poses[i].position)
-    });
-    for ((own, list), due) in range.clone().zip(lists).zip(due) {
-        if !due {
+    for (own, asked) in range.zip(&asked) {
+        if !is_due(own) {
             continue;
-        }
-        let mut asked = sharing::Asked::default();
-        if asks(own) {
-            neighbours(own, list, &surfels, states, &mut |id, weight| {
-                asked.add(&states[id], weight, age(id), id == own);
-            });
         }
         let told = asked.said().pack();
         p.neighbours.set(own, told);

@@ -7,7 +7,7 @@ use super::super::prefetch;
 use super::cells::Cells;
 use crate::data::{SurfacePoint, SurfelPose};
 use crate::shared::lists::{List, Surfels};
-use crate::shared::lookup::{AT_A_TIME, Points};
+use crate::shared::lookup::{AT_A_TIME, Owns, Points};
 use crate::shared::surface;
 
 /// Entries of a list in a line of the cache.
@@ -32,6 +32,17 @@ impl<'a> Batch<'a> {
             points: [SurfelPose::default(); AT_A_TIME],
             lists: [List::default(); AT_A_TIME],
         }
+    }
+
+    /// Takes surfels as points, with their lists.
+    #[inline]
+    pub fn around(&mut self, owns: &Owns<'a>, s: &Surfels<'a>) {
+        for (pose, own) in self.points.iter_mut().zip(&owns.ids) {
+            if let Some(own) = own {
+                *pose = s.poses[*own];
+            }
+        }
+        self.lists = owns.lists;
     }
 
     /// Finds the lists of points, in place: a batch is large to move. What one step needs of memory is

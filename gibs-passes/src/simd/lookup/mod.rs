@@ -17,11 +17,11 @@ use super::lanes::{all, for_lanes, stored};
 use super::x86::Avx512;
 use super::{Avx2, prefetch};
 use crate::data::{Gathered, SurfelLight, SurfelPose};
-use crate::shared::lists::{List, Surfels};
-use crate::shared::lookup::{self, AT_A_TIME, Place, Points};
+use crate::shared::lists::Surfels;
+use crate::shared::lookup::{self, AT_A_TIME, Owns, Points};
 use batch::Batch;
 use glam::{Vec3, Vec4};
-use near::{coverage, neighbours};
+use near::neighbours;
 #[cfg(test)]
 pub use pairs::FULL;
 use pairs::for_pairs;
@@ -51,31 +51,30 @@ impl Lookup {
         Lookup(Avx2::detect(), None)
     }
 
-    /// Same as [`lookup::coverage`].
+    /// Same as [`lookup::crowds`].
     #[inline]
-    pub fn coverage(self, place: &Place<'_>, s: &Surfels<'_>, seen: impl FnMut(usize)) -> f32 {
+    pub fn crowds(self, owns: &Owns<'_>, s: &Surfels<'_>) -> [f32; AT_A_TIME] {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { coverage(place, s, seen) },
-            None => lookup::coverage(place, s, seen),
+            Some(Avx2 { .. }) => unsafe { crowds(owns, s, self.1) },
+            None => lookup::crowds(owns, s),
         }
     }
 
-    /// Same as [`lookup::neighbours`].
+    /// Same as [`lookup::neighbours`]; `soon` hears of each neighbour a little before `wanted` and `each`.
     #[inline]
-    pub fn neighbours(
+    pub fn neighbours<const REACH: u32>(
         self,
-        own: usize,
-        list: List<'_>,
-        reach: u32,
+        owns: &Owns<'_>,
         s: &Surfels<'_>,
+        soon: impl Fn(usize),
         wanted: impl Fn(usize) -> bool,
-        each: impl FnMut(usize, f32),
+        each: impl FnMut(usize, usize, f32),
     ) {
         match self.0 {
             // SAFETY: there is a proof that the processor has the features.
-            Some(Avx2 { .. }) => unsafe { neighbours(own, list, reach, s, wanted, each) },
-            None => lookup::neighbours(own, list, reach, s, wanted, each),
+            Some(Avx2 { .. }) => unsafe { neighbours::<REACH>(owns, s, soon, wanted, each) },
+            None => lookup::neighbours::<REACH>(owns, s, wanted, each),
         }
     }
 
@@ -154,6 +153,22 @@ fn coverages(
     batch.find(points, s);
     for_pairs(&batch, s, avx512, |_| {}, each);
     totals
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn crowds(owns: &Owns<'_>, s: &Surfels<'_>, avx512: Option<Avx512>) -> [f32; AT_A_TIME] {
+    let (mut totals, mut by_itself) = ([0.0; AT_A_TIME], [0.0; AT_A_TIME]);
+    let each = |at: usize, id, weight| {
+        let at = at & (AT_A_TIME - 1);
+        totals[at] += weight;
+        if weight > 0.0 && owns.ids[at] == Some(id) {
+            by_itself[at] = lookup::PEAK;
+        }
+    };
+    let mut batch = Batch::new();
+    batch.around(owns, s);
+    for_pairs(&batch, s, avx512, |_| {}, each);
+    std::array::from_fn(|at| totals[at] - by_itself[at])
 }
 
 /// What [`lookup::gather`] sums up at a point.

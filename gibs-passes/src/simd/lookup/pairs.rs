@@ -11,7 +11,7 @@ use super::super::lanes::{loaded, stored};
 use super::super::prefetch;
 use super::super::x86::Avx512;
 use super::batch::Batch;
-use super::bounds::may_reach;
+use super::bounds::{may_reach, may_reach_times};
 use super::candidates::{Candidates, set_lanes};
 use super::poses::Poses;
 use super::{above_zero, eight, wider};
@@ -95,14 +95,9 @@ impl Line {
         self.count = 0;
     }
 
-    /// Pairs in it.
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
     /// The surfels.
     #[inline(always)]
-    fn surfels(&self) -> impl Iterator<Item = usize> {
+    pub fn surfels(&self) -> impl Iterator<Item = usize> {
         // SAFETY: `append` has written what is below the count.
         let written = |surfel: &MaybeUninit<u32>| unsafe { surfel.assume_init() } as usize;
         self.surfels[..self.count].iter().map(written)
@@ -195,18 +190,18 @@ pub fn for_pairs(
         from = match avx512 {
             // SAFETY: there is a proof that the processor has the features.
             Some(Avx512 { .. }) => unsafe { wider::collect(&mut near, &batch.lists, at) },
-            None => collect(&mut near, &batch.lists, at),
+            None => collect::<1>(&mut near, &batch.lists, at),
         };
         weigh(&mut near, &mut weighty, batch, s, &soon);
         finish(&mut weighty, batch, s, &mut each);
     }
 }
 
-/// Appends the surfels that may reach their points, from an entry of one of the lists on, until the line is full; then gives the
-/// entry after the last one.
+/// Appends the surfels that may reach their points with so many times their radii, from an entry of one of the lists on, until the line
+/// is full; then gives the entry after the last one.
 #[inline]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-pub fn collect(
+pub fn collect<const REACH: u32>(
     near: &mut Candidates,
     lists: &[List<'_>],
     (first, mut start): (usize, usize),
@@ -221,7 +216,7 @@ pub fn collect(
         for (bounds, ids) in bounds.iter().zip(ids) {
             // SAFETY: the loads read eight words each and need no alignment; this function is compiled for AVX2.
             unsafe {
-                let mask = may_reach(_mm256_loadu_si256(bounds.as_ptr().cast()), place);
+                let mask = reaching::<REACH>(_mm256_loadu_si256(bounds.as_ptr().cast()), place);
                 line.append(mask, _mm256_loadu_si256(ids.as_ptr().cast()), here);
             }
             start += 8;
@@ -232,7 +227,7 @@ pub fn collect(
         if !last_ids.is_empty() {
             let (bounds, there) = eight(last_bounds);
             // SAFETY: this function is compiled for AVX2.
-            let mask = unsafe { may_reach(bounds, place) } & there;
+            let mask = unsafe { reaching::<REACH>(bounds, place) } & there;
             line.append(mask, eight(last_ids).0, here);
             if line.is_full() {
                 return Some((at + 1, 0));
@@ -241,6 +236,21 @@ pub fn collect(
         start = 0;
     }
     None
+}
+
+/// [`may_reach`], or with a multiple of the radius.
+///
+/// # Safety
+/// As [`may_reach`].
+#[inline(always)]
+unsafe fn reaching<const REACH: u32>(bounds: __m256i, place: __m256i) -> u32 {
+    // SAFETY: as the caller says.
+    unsafe {
+        match REACH {
+            1 => may_reach(bounds, place),
+            reach => may_reach_times(bounds, place, reach),
+        }
+    }
 }
 
 /// Weights before the depth functions: those of the candidates that have any go into a line, which is empty.

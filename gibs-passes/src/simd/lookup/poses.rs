@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::directions::{hemisphere, to_local};
-use super::super::lanes::{Lanes3, all, dot, magnitude, positive};
+use super::super::lanes::{Lanes3, dot, magnitude, positive};
 use crate::data::SurfelPose;
 use crate::shared::depth::{self, Depths};
 use crate::shared::plane::{STEP, STEPS};
@@ -76,18 +76,6 @@ impl Poses {
                 ],
                 mark: _mm256_permute2f128_ps::<0x31>(b3, b7),
             }
-        }
-    }
-
-    /// One surfel, eight times.
-    #[inline]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    pub fn repeated(pose: &SurfelPose) -> Self {
-        Poses {
-            position: all(pose.position),
-            radius: _mm256_set1_ps(pose.radius),
-            normal: all(pose.normal),
-            mark: _mm256_castsi256_ps(_mm256_set1_epi32(pose.mark as i32)),
         }
     }
 

@@ -128,7 +128,7 @@ mod tests {
                 .collect();
             full += usize::from(expected.len() > FULL);
             // SAFETY: the processor has AVX2.
-            let eight = pairs_by(|near, from| unsafe { pairs::collect(near, &lists, from) });
+            let eight = pairs_by(|near, from| unsafe { pairs::collect::<1>(near, &lists, from) });
             assert_eq!(eight, expected, "case {case}");
             if avx512.is_some() {
                 // SAFETY: there is a proof that the processor has the features.
