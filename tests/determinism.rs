@@ -26,6 +26,30 @@ fn two_runs_give_the_same_bits() {
     }
 }
 
+/// Frames after those that warm a renderer up are those of a new one.
+#[test]
+fn what_was_warmed_up_starts_from_nothing() {
+    let (scene, view) = builtin::by_name("window-room").expect("built in");
+    for backend in all_backends() {
+        let pictures = [false, true].map(|warm| {
+            let (backend, settings) = (backend.as_ref(), settings(8_000));
+            let made = Renderer::new(backend, &scene, &view, [80, 45], &settings, 7);
+            let mut renderer = made.expect("the frame compiles");
+            if warm {
+                renderer.warm_up().expect("frames run");
+            }
+            let mut frame = || {
+                renderer.frame().expect("a frame runs");
+                let counters = renderer.counters().expect("they are there");
+                (renderer.picture().expect("a picture"), counters)
+            };
+            [frame(), frame(), frame()]
+        });
+        let [new, warm] = pictures;
+        assert!(new == warm, "{}: it remembers", backend.name());
+    }
+}
+
 /// Neither the number of threads nor the order of workgroups nor the width of the traversal shows; and in the
 /// checking mode no two workgroups of any stage write one element.
 #[test]

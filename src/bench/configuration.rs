@@ -46,10 +46,10 @@ pub fn configurations(
         _ => ("the most rays", most),
     };
     let budgets = [("1/4 of the rays", settings.rays / 4), more];
-    // Of the most, there are no more.
+    // Of the most there are no more, and of few no quarter.
     let others = budgets
         .into_iter()
-        .filter(|(_, rays)| *rays != settings.rays);
+        .filter(|(_, rays)| *rays != settings.rays && *rays > 0);
     all.extend(others.map(|(name, rays)| Configuration {
         name: name.into(),
         about: format!("{rays} rays a frame at most"),

@@ -20,7 +20,7 @@ pub struct EqualError {
     pub unreached: u32,
     /// Seeds with which one sample per pixel was better than sought: their part is one sample, and what is needed is less.
     pub fewer: u32,
-    /// Samples per pixel.
+    /// Samples per pixel. Like the three below without an interval where any seed's part is a bound.
     pub samples: Mean,
     /// Rays.
     pub rays: Mean,
@@ -258,17 +258,22 @@ pub(super) fn over_seeds(baseline: &str, all: &[Vec<Needed>]) -> Vec<EqualError>
         let mean = |value: fn(&Needed) -> f64| Mean::of(each().map(value));
         let seeds = |is: fn(&Need) -> bool| each().filter(|n| is(&n.need)).count() as u32;
         let one = each().next()?;
+        let (unreached, fewer) = (seeds(|need| !need.reached), seeds(|need| need.fewer));
+        let found = |value: fn(&Needed) -> f64| match unreached + fewer {
+            0 => mean(value),
+            _ => mean(value).without_interval(),
+        };
         Some(EqualError {
             baseline: baseline.into(),
             frames: one.frames,
             metric: one.metric,
             error: mean(|n| n.error),
-            unreached: seeds(|need| !need.reached),
-            fewer: seeds(|need| need.fewer),
-            samples: mean(|n| n.need.samples),
-            rays: mean(|n| n.rays),
-            seconds: mean(|n| n.seconds),
-            times: mean(|n| n.times),
+            unreached,
+            fewer,
+            samples: found(|n| n.need.samples),
+            rays: found(|n| n.rays),
+            seconds: found(|n| n.seconds),
+            times: found(|n| n.times),
         })
     };
     (0..first.len()).filter_map(of).collect()

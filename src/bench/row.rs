@@ -28,7 +28,7 @@ pub struct After {
     /// Of path tracing: what it took of the rays or of the time that it was to equal, with the seed that missed it by most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub taken: Option<f64>,
-    /// Whether nothing in the scene, on the backend, has a smaller MAPE in no more seconds.
+    /// Whether nothing in the scene, on the backend, has a smaller MAPE in no more seconds, or the same in fewer.
     pub pareto: bool,
 }
 

@@ -28,6 +28,15 @@ impl Mean {
         }
     }
 
+    /// The same without an interval: of values of which some are bounds.
+    pub(super) fn without_interval(self) -> Self {
+        Self {
+            standard_error: None,
+            interval: None,
+            ..self
+        }
+    }
+
     /// The ends of the confidence interval; not finite for a single value.
     pub fn ends(&self) -> [f64; 2] {
         let half = self.interval.unwrap_or(f64::NAN);

@@ -190,6 +190,10 @@ fn what_is_needed_is_of_whole_pictures_and_over_seeds() {
     };
     assert_eq!((found.frames, found.metric), (16, "mape"));
     assert_eq!((found.unreached, found.fewer), (1, 1));
+    assert!(found.error.interval.is_some(), "it was measured");
+    for bound in [found.samples, found.rays, found.seconds, found.times] {
+        assert_eq!((bound.interval, bound.standard_error), (None, None));
+    }
     assert!((found.error.mean - 0.2).abs() < 1e-12);
     assert!((found.samples.mean - 25.0 / 3.0).abs() < 1e-12);
     assert_eq!((found.rays.mean, found.seconds.mean), (4e6, 4.0));

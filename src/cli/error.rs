@@ -111,6 +111,19 @@ pub enum CommandError {
         /// Why not.
         source: CompareError,
     },
+    /// The truth is of something else.
+    #[error(
+        "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; give a truth of this scene and view",
+        truth.display()
+    )]
+    OtherTruth {
+        /// The truth.
+        truth: PathBuf,
+        /// Pixels that show another surface.
+        elsewhere: usize,
+        /// Of how many that are compared.
+        of: usize,
+    },
     /// Surfels lost slots or shared them.
     #[error(
         "{errors} slots were lost or given twice, summed over the frames; please report this with the command line"

@@ -1,7 +1,7 @@
 //! `gibs roam`: a camera on its way through a scene.
 use super::CommandError;
 use super::output::{prepare_folder, progress, say, write};
-use super::run::{Totals, median, prepare};
+use super::run::{Totals, checked, median, prepare};
 use super::scene::{SceneArgs, SettingsArgs};
 use crate::backends::{self, Choice};
 use crate::conditions::{Renders, Subject};
@@ -53,7 +53,8 @@ struct Flight {
     /// Key poses of the camera; `None` where it went forward, around and back.
     path: Option<String>,
     totals: Totals,
-    holes: Holes,
+    /// `None` where no frame after the first shows a surface.
+    holes: Option<Holes>,
     groups: Vec<String>,
     rows: Vec<RoamRow>,
 }
@@ -79,8 +80,11 @@ struct Settled {
 }
 
 impl Holes {
-    fn of(rows: &[RoamRow]) -> Self {
+    fn of(rows: &[RoamRow]) -> Option<Self> {
         let later = rows.get(1..).unwrap_or_default();
+        if later.iter().all(|row| row.holes.surfaces == 0) {
+            return None;
+        }
         let mean = |over: fn(&HoleRow) -> u32, of: fn(&HoleRow) -> u32| {
             let sum = |count: fn(&HoleRow) -> u32| -> u64 {
                 later.iter().map(|row| u64::from(count(&row.holes))).sum()
@@ -94,7 +98,7 @@ impl Holes {
                 .unwrap_or_default()
         };
         let (all, settled) = (worst(HoleRow::share), worst(HoleRow::settled_share));
-        Self {
+        Some(Self {
             mean: mean(|h| h.holes, |h| h.surfaces),
             worst: all.0,
             worst_frame: all.1,
@@ -106,7 +110,7 @@ impl Holes {
                     worst: settled.0,
                     worst_frame: settled.1,
                 }),
-        }
+        })
     }
 }
 
@@ -115,7 +119,7 @@ const TABLE: &str = "roam.csv";
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<(), CommandError> {
-    let settings = args.settings.load()?;
+    let settings = checked(&args.settings.load()?);
     if let Some(folder) = &args.report {
         prepare_folder(folder, TABLE)?;
     }
@@ -155,15 +159,15 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         groups,
         rows,
     };
-    if let Some(folder) = &args.report {
-        report(folder, &scene_name(&args.scene.scene), &flight)?;
-    }
     match args.json {
         true => say!(
             "{}",
             serde_json::to_string_pretty(&flight).unwrap_or_default()
         ),
         false => say!("{}", table(&flight, args)),
+    }
+    if let Some(folder) = &args.report {
+        report(folder, &scene_name(&args.scene.scene), &flight)?;
     }
     flight.totals.judge()
 }
@@ -194,13 +198,16 @@ fn table(flight: &Flight, args: &Args) -> String {
         totals.slot_errors,
     );
     let percent = |share: f64| share * 100.0;
-    text += &format!(
-        "holes after frame 0, of all surfaces: {:.3} %, at most {:.2} % (frame {})\n",
-        percent(holes.mean),
-        percent(holes.worst),
-        holes.worst_frame
-    );
-    text += &match &holes.settled {
+    text += &match holes {
+        Some(holes) => format!(
+            "holes after frame 0, of all surfaces: {:.3} %, at most {:.2} % (frame {})\n",
+            percent(holes.mean),
+            percent(holes.worst),
+            holes.worst_frame
+        ),
+        None => "no surface was seen after frame 0\n".to_owned(),
+    };
+    text += &match holes.as_ref().and_then(|holes| holes.settled.as_ref()) {
         Some(settled) => format!(
             "holes, of surfaces in view for 8 frames: {:.4} %, at most {:.3} % (frame {})\n",
             percent(settled.mean),

@@ -3,7 +3,7 @@ use super::CommandError;
 use super::output::warning;
 use super::scene::Loaded;
 use crate::bench::Spread;
-use crate::compare::{CompareOptions, other_view};
+use crate::compare::{CompareOptions, is_other_view};
 use crate::measure::FrameRow;
 use crate::picture::Picture;
 use crate::reference::{ReferenceOptions, reference};
@@ -13,26 +13,30 @@ use gibs_passes::frame::Settings;
 use serde::Serialize;
 use std::path::Path;
 
-/// A scene that is ready to run, with the check of slots, from an empty cache but warm.
+/// The settings with the check of slots.
+pub(super) fn checked(settings: &Settings) -> Settings {
+    Settings {
+        check_slots: true,
+        ..settings.clone()
+    }
+}
+
+/// A scene that is ready to run, from an empty cache but warm.
 pub(super) fn prepare(
     backend: &dyn Backend,
     loaded: &Loaded,
     settings: &Settings,
     seed: u32,
 ) -> Result<Renderer, CommandError> {
-    let settings = Settings {
-        check_slots: true,
-        ..settings.clone()
-    };
     let mut renderer = Renderer::new(
         backend,
         &loaded.scene,
         &loaded.view,
         loaded.size,
-        &settings,
+        settings,
         seed,
     )?;
-    warn_at_start(&renderer, &settings);
+    warn_at_start(&renderer, settings);
     renderer.warm_up()?;
     Ok(renderer)
 }
@@ -128,18 +132,19 @@ pub(super) fn warn_of_few_rays(surfels: u64, rays: u64) {
     }
 }
 
-/// Warns of a truth that shows other surfaces than the scene does, by the reference's picture of its size, and tells how many pixels do. One that
-/// does not fit is left to who measures, and so is a backend that fails.
-pub(super) fn warn_of_truth(
+/// How many pixels of a truth show another surface than the scene does, by the reference's picture of its size: a warning where those are more than a
+/// tenth, an error where they are more than half. Of a truth that does not fit, or a backend that fails, nothing is known; that is left to
+/// who measures.
+pub(super) fn elsewhere(
     backend: &dyn Backend,
     loaded: &Loaded,
     truth: &Picture,
     path: &Path,
-) -> Option<usize> {
+) -> Result<Option<usize>, CommandError> {
     let size = [truth.width, truth.height];
     let fits = |(of, whole): (&u32, &u32)| *of > 0 && whole.is_multiple_of(*of);
     if !size.iter().zip(&loaded.size).all(fits) {
-        return None;
+        return Ok(None);
     }
     let options = ReferenceOptions {
         size,
@@ -148,13 +153,26 @@ pub(super) fn warn_of_truth(
         emitters: false,
     };
     let ours = reference(backend, &loaded.scene, &loaded.view, &options, |_, _| ());
-    let (ours, _) = ours.ok()?;
-    let [elsewhere, of] = other_view(&ours, truth, &CompareOptions::default())?;
-    warning!(
-        "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; is it of this scene and view?",
-        path.display()
-    );
-    Some(elsewhere)
+    let counts = ours
+        .ok()
+        .and_then(|(ours, _)| crate::compare::elsewhere(&ours, truth, &CompareOptions::default()));
+    let Some([elsewhere, of]) = counts else {
+        return Ok(None);
+    };
+    if elsewhere > of / 2 {
+        return Err(CommandError::OtherTruth {
+            truth: path.to_owned(),
+            elsewhere,
+            of,
+        });
+    }
+    if is_other_view([elsewhere, of]) {
+        warning!(
+            "--truth {}: {elsewhere} of {of} pixels show another surface than the scene does; is it of this scene and view?",
+            path.display()
+        );
+    }
+    Ok(Some(elsewhere))
 }
 
 /// The median of some numbers as text with so many decimals; a dash of none.

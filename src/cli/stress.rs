@@ -1,8 +1,9 @@
 //! `gibs stress`: from an empty cache to converged.
 use super::CommandError;
+use super::error::Failures;
 use super::output::{prepare_folder, progress, say};
-use super::run::{Totals, median, prepare, warn_of_truth};
-use super::scene::{SceneArgs, TechniqueArgs, ray_budget};
+use super::run::{Totals, checked, elsewhere, median, prepare};
+use super::scene::{Loaded, SceneArgs, TechniqueArgs, ray_budget};
 use crate::backends::{self, Choice};
 use crate::conditions::{Renders, Subject};
 use crate::measure::{
@@ -11,6 +12,8 @@ use crate::measure::{
 use crate::picture::{Picture, replace_file};
 use crate::plot::Axis;
 use crate::words::{counted, scene_name};
+use gibs_graph::Backend;
+use gibs_passes::frame::Settings;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -119,61 +122,23 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     let backend = backends::open(args.backend)?;
     let loaded = args.scene.load()?;
     if let Some((path, truth)) = args.truth.as_ref().zip(truth.as_ref()) {
-        warn_of_truth(backend.as_ref(), &loaded, truth, path);
+        elsewhere(backend.as_ref(), &loaded, truth, path)?;
     }
-    let mut runs = Vec::new();
+    let (mut runs, mut failures) = (Vec::new(), Failures::default());
     for settings in &budgets {
-        let mut renderer = prepare(backend.as_ref(), &loaded, settings, args.seed)?;
-        let bar = progress(u64::from(args.frames), "rendering");
-        let done = stress(&mut renderer, args.frames, truth.as_ref(), || bar.inc(1));
-        bar.finish_and_clear();
-        let stress = done.map_err(|error| match (error, &args.truth) {
-            (StressError::Compare(source), Some(truth)) => CommandError::Truth {
-                truth: truth.clone(),
-                source,
-            },
-            (error, _) => error.into(),
-        })?;
-        // Without a truth the others are held against the last frame.
-        let judged = stress
-            .rows
-            .len()
-            .saturating_sub(usize::from(truth.is_none()));
-        let errors = stress.rows[..judged].iter().map(|row| row.error);
-        let converged = converged_from(errors, args.converged / 100.0).map(|first| Converged {
-            frames: first + 1,
-            seconds: stress.rows[..=first]
-                .iter()
-                .map(|row| row.frame.ms)
-                .sum::<f64>()
-                * 1e-3,
-        });
-        let (converged, settled) = match truth {
-            Some(_) => (Some(converged), None),
-            None => (None, Some(converged)),
-        };
-        let run = Run {
-            subject: Subject::new(&args.scene.scene, &loaded.view, loaded.size, settings),
-            renders: Renders::with(backend.as_ref()),
-            seed: args.seed,
-            budget: settings.rays,
-            against: match &args.truth {
-                Some(truth) => truth.display().to_string(),
-                None => "the last frame".into(),
-            },
-            converged,
-            settled,
-            limit: args.converged / 100.0,
-            totals: Totals::of(settings.surfels, stress.rows.iter().map(|row| &row.frame)),
-            stress,
-        };
-        if !args.json {
-            say!("{}", table(&run, args));
+        // What was measured is not lost when another budget fails.
+        match one(backend.as_ref(), &loaded, settings, truth.as_ref(), args) {
+            Ok(run) => {
+                if !args.json {
+                    say!("{}", table(&run, args));
+                }
+                runs.push(run);
+            }
+            Err(error) => failures.add(error),
         }
-        runs.push(run);
     }
-    if let Some(folder) = &args.report {
-        write(folder, &scene_name(&args.scene.scene), &runs, args)?;
+    if runs.is_empty() {
+        return failures.first();
     }
     if args.json {
         say!(
@@ -181,7 +146,72 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
             serde_json::to_string_pretty(&runs).unwrap_or_default()
         );
     }
-    runs.iter().try_for_each(|run| run.totals.judge())
+    if let Some(folder) = &args.report
+        && let Err(error) = write(folder, &scene_name(&args.scene.scene), &runs, args)
+    {
+        failures.add(error);
+    }
+    for run in &runs {
+        if let Err(error) = run.totals.judge() {
+            failures.add(error);
+        }
+    }
+    failures.first()
+}
+
+/// The run of one budget.
+fn one(
+    backend: &dyn Backend,
+    loaded: &Loaded,
+    settings: &Settings,
+    truth: Option<&Picture>,
+    args: &Args,
+) -> Result<Run, CommandError> {
+    let settings = &checked(settings);
+    let mut renderer = prepare(backend, loaded, settings, args.seed)?;
+    let bar = progress(u64::from(args.frames), "rendering");
+    let done = stress(&mut renderer, args.frames, truth, || bar.inc(1));
+    bar.finish_and_clear();
+    let stress = done.map_err(|error| match (error, &args.truth) {
+        (StressError::Compare(source), Some(truth)) => CommandError::Truth {
+            truth: truth.clone(),
+            source,
+        },
+        (error, _) => error.into(),
+    })?;
+    // Without a truth the others are held against the last frame.
+    let judged = stress
+        .rows
+        .len()
+        .saturating_sub(usize::from(truth.is_none()));
+    let errors = stress.rows[..judged].iter().map(|row| row.error);
+    let converged = converged_from(errors, args.converged / 100.0).map(|first| Converged {
+        frames: first + 1,
+        seconds: stress.rows[..=first]
+            .iter()
+            .map(|row| row.frame.ms)
+            .sum::<f64>()
+            * 1e-3,
+    });
+    let (converged, settled) = match truth {
+        Some(_) => (Some(converged), None),
+        None => (None, Some(converged)),
+    };
+    Ok(Run {
+        subject: Subject::new(&args.scene.scene, &loaded.view, loaded.size, settings),
+        renders: Renders::with(backend),
+        seed: args.seed,
+        budget: settings.rays,
+        against: match &args.truth {
+            Some(truth) => truth.display().to_string(),
+            None => "the last frame".into(),
+        },
+        converged,
+        settled,
+        limit: args.converged / 100.0,
+        totals: Totals::of(settings.surfels, stress.rows.iter().map(|row| &row.frame)),
+        stress,
+    })
 }
 
 fn table(run: &Run, args: &Args) -> String {

@@ -74,17 +74,21 @@ pub fn compare(
     compare_pair(pair, options)
 }
 
-/// How many pixels of `ours` show another surface than the truth's, of how many that are compared, if that is more than a tenth: then the
-/// two are not of one scene and view. `None` where it is not, or where that cannot be told: without depths, or where the two cannot be
-/// compared at all.
-pub fn other_view(ours: &Picture, truth: &Picture, options: &CompareOptions) -> Option<[usize; 2]> {
+/// How many pixels of `ours` show another surface than the truth's, and of how many that are compared. `None` where that cannot be told:
+/// without depths, or where the two cannot be compared at all.
+pub fn elsewhere(ours: &Picture, truth: &Picture, options: &CompareOptions) -> Option<[usize; 2]> {
     let pair = Pair::new(ours, truth, truth, &options.layer, options.centers).ok()?;
-    many(pair.elsewhere?, pair.counts.valid)
+    Some([pair.elsewhere?, pair.counts.valid])
+}
+
+/// Whether so many pixels that show another surface, of so many, are more than a tenth: then the pictures are not of one scene and view.
+pub fn is_other_view([elsewhere, of]: [usize; 2]) -> bool {
+    elsewhere as f64 > surfaces::OTHER_VIEW * of as f64
 }
 
 /// The two numbers, if the first is a large part of the second.
 fn many(elsewhere: usize, of: usize) -> Option<[usize; 2]> {
-    (elsewhere as f64 > surfaces::OTHER_VIEW * of as f64).then_some([elsewhere, of])
+    Some([elsewhere, of]).filter(|counts| is_other_view(*counts))
 }
 
 fn compare_pair(pair: Pair, options: &CompareOptions) -> Result<Report, CompareError> {

@@ -20,11 +20,12 @@ pub struct Comparison {
 pub struct Change {
     /// What, as `group/stage`.
     pub name: String,
-    /// Geometric mean of the runs' medians of before, milliseconds; `None` where it was not there or not timed.
+    /// Geometric mean of the runs' medians of before, milliseconds, or the median where one of those is zero; `None` where it was not there
+    /// or not timed.
     pub before_ms: Option<f64>,
     /// That of now, milliseconds; `None` where it is not there or not timed.
     pub now_ms: Option<f64>,
-    /// Now over before, where both are there.
+    /// Now over before, where both are there and took some time in every run.
     pub ratio: Option<Interval>,
     /// What that says.
     pub verdict: Verdict,
@@ -47,6 +48,8 @@ pub enum Verdict {
     Unknown,
     /// Both took next to nothing.
     TooShort,
+    /// It took nothing in a run, so that there is no ratio.
+    Nothing,
     /// One of the devices measures no time of it.
     NotTimed,
     /// It was not there before.
@@ -129,7 +132,7 @@ impl Change {
     /// Of figures that are there or not, and timed or not.
     fn of(name: &str, now: Option<Option<Figure>>, before: Option<Option<Figure>>) -> Self {
         let ratio = match (&now, &before) {
-            (Some(Some(now)), Some(Some(before))) if now.median > 0.0 && before.median > 0.0 => {
+            (Some(Some(now)), Some(Some(before))) if now.took_time() && before.took_time() => {
                 Some(Interval::of_samples(&now.of_runs, &before.of_runs))
             }
             _ => None,
@@ -142,6 +145,7 @@ impl Change {
             (Some(Some(now)), Some(Some(before)), _) if short(now) && short(before) => {
                 Verdict::TooShort
             }
+            (.., None) if ratio.is_none() => Verdict::Nothing,
             (.., None) => Verdict::Unknown,
             (.., Some([_, high])) if high < 1.0 => Verdict::Faster,
             (.., Some([low, _])) if low > 1.0 => Verdict::Slower,

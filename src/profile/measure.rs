@@ -13,7 +13,7 @@ use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::Settings;
 use gibs_passes::scene::Scene;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// How much to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,10 +62,13 @@ impl Options {
     }
 }
 
-/// Measures the frame. `progress` hears of every frame. Beside the profile come the timed frames of the first run.
+/// Least time between two words to `progress`.
+const BETWEEN_WORDS: Duration = Duration::from_millis(200);
+
+/// Measures the frame. `progress` hears of it a few times a second, and of the last frame. Beside the profile come the timed frames of the first run.
 ///
 /// # Errors
-/// [`RenderError`].
+/// [`RenderError`]; [`RenderError::NoFrame`] without runs or frames.
 pub fn measure(
     backend: &dyn Backend,
     (name, scene): (&str, &Scene),
@@ -78,6 +81,7 @@ pub fn measure(
     let mut frames = Vec::new();
     let mut last = None;
     let mut done = 0;
+    let mut heard = Instant::now();
     for run in 0..options.runs {
         let seed = options.seed.wrapping_add(run);
         let mut renderer = Renderer::new(backend, scene, view, options.size, settings, seed)?;
@@ -119,16 +123,20 @@ pub fn measure(
                 push(&mut samples.untimed, wall.as_secs_f64() * 1e3);
             }
             done += 1;
-            progress(&Progress {
-                done,
-                of: options.all_frames(),
-                groups: samples.groups(&schedule),
-                frame_ms: samples.median(),
-            });
+            // What it hears takes a look at all samples so far.
+            if done == options.all_frames() || heard.elapsed() >= BETWEEN_WORDS {
+                progress(&Progress {
+                    done,
+                    of: options.all_frames(),
+                    groups: samples.groups(&schedule),
+                    frame_ms: samples.median(),
+                });
+                heard = Instant::now();
+            }
         }
         last = Some(renderer);
     }
-    let Some(mut renderer) = last else {
+    let Some(mut renderer) = last.filter(|_| options.frames > 0) else {
         return Err(RenderError::NoFrame {
             what: "profile".into(),
         });
@@ -247,10 +255,14 @@ impl Samples {
         let tracing: Vec<usize> = (0..work.len())
             .filter(|&step| work[step].rays > 0)
             .collect();
-        let shares = self.timed.iter().flatten().zip(self.steps.iter().flatten());
-        let shares: Vec<f64> = shares
-            .map(|(wall, steps)| steps.iter().flatten().sum::<f64>() / wall.max(1e-9))
-            .collect();
+        let frames = || self.timed.iter().flatten().zip(self.steps.iter().flatten());
+        let sum = |steps: &[Option<f64>]| -> f64 { steps.iter().flatten().sum() };
+        let shares = frames().map(|(wall, steps)| sum(steps) / wall.max(1e-9));
+        let shares: Vec<f64> = shares.collect();
+        let traced =
+            |steps: &[Option<f64>]| -> f64 { tracing.iter().filter_map(|&step| steps[step]).sum() };
+        let over = frames().map(|(wall, steps)| wall / traced(steps));
+        let over: Vec<f64> = over.filter(|over| over.is_finite()).collect();
         let steps_ms = self.all();
         let runs = self.timed.iter().zip(&self.untimed);
         let pairs = runs.map(|(timed, untimed)| {
@@ -260,7 +272,9 @@ impl Samples {
         let pairs: Vec<Vec<(f64, f64)>> = pairs.collect();
         FrameCost {
             wall_ms: Figure::of(&self.untimed),
+            timed_ms: Figure::of(&self.timed),
             covered: steps_ms.as_ref().and_then(|_| quantile(&shares, 0.5)),
+            over_tracing: quantile(&over, 0.5),
             steps_ms,
             tracing_ms: self.sum(&tracing),
             overhead: Interval::of_paired_runs(&pairs),
@@ -281,5 +295,54 @@ impl std::iter::Sum for Work {
             bytes_written: sum.bytes_written + work.bytes_written,
             bytes_held: sum.bytes_held + work.bytes_held,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of frames with known times: medians of the untimed and the timed ones, what steps cover, and what a frame takes over its rays.
+    #[test]
+    fn a_frame_s_figures_are_of_the_frames_that_they_say() {
+        let samples = Samples {
+            timed: vec![vec![10.0, 20.0], vec![12.0, 40.0], vec![16.0, 10.0]],
+            untimed: vec![vec![5.0, 10.0], vec![6.0, 20.0], vec![8.0, 5.0]],
+            // A step that traces, one that does not, and one without time.
+            steps: vec![
+                vec![
+                    vec![Some(4.0), Some(4.0), None],
+                    vec![Some(8.0), Some(8.0), None],
+                ],
+                vec![
+                    vec![Some(6.0), Some(3.0), None],
+                    vec![Some(10.0), Some(20.0), None],
+                ],
+                vec![
+                    vec![Some(4.0), Some(8.0), None],
+                    vec![Some(5.0), Some(4.0), None],
+                ],
+            ],
+        };
+        let rays = |rays| Work {
+            rays,
+            ..Work::default()
+        };
+        let frame = samples.frame(&[rays(7), rays(0), rays(0)]);
+        // 5, 5, 6, 8, 10, 20 and 10, 10, 12, 16, 20, 40.
+        assert_eq!(frame.wall_ms.median, 7.0);
+        assert_eq!(frame.timed_ms.median, 14.0);
+        // 4, 4, 5, 6, 8, 10.
+        assert_eq!(frame.tracing_ms.map(|ms| ms.median), Some(5.5));
+        // 8, 9, 9, 12, 16, 30.
+        assert_eq!(frame.steps_ms.map(|ms| ms.median), Some(10.5));
+        // 8/10, 16/20, 9/12, 30/40, 12/16, 9/10.
+        assert_eq!(frame.covered, Some((0.75 + 0.8) / 2.0));
+        // 10/4, 20/8, 12/6, 40/10, 16/4, 10/5.
+        assert_eq!(frame.over_tracing, Some(2.5));
+        // Each timed frame takes twice what the one beside it does.
+        assert!((frame.overhead.ratio - 2.0).abs() < 1e-12);
+        let [low, high] = frame.overhead.bounds.expect("of three runs");
+        assert!((low - 2.0).abs() < 1e-9 && (high - 2.0).abs() < 1e-9);
     }
 }

@@ -35,7 +35,7 @@ pub const FORMAT: u32 = 4;
 pub struct Profile {
     /// Version of the program.
     pub version: String,
-    /// Scene, as it was named.
+    /// The scene, as it was asked for.
     pub scene: String,
     /// How it is seen, as in a view file.
     pub view: serde_json::Value,
@@ -78,12 +78,16 @@ pub struct Profile {
 pub struct FrameCost {
     /// From the first upload until the device is done, milliseconds on the host's clock, while steps are not timed.
     pub wall_ms: Figure,
+    /// The same while steps are timed.
+    pub timed_ms: Figure,
     /// Time of all steps together, milliseconds; `None` where the device measures none.
     pub steps_ms: Option<Figure>,
     /// Time of those steps that trace rays, milliseconds.
     pub tracing_ms: Option<Figure>,
-    /// The steps' share of the frame, in the median over frames; the rest is uploads, submission and waiting.
+    /// The steps' share of the frame that they are of, in the median over frames; the rest is uploads, submission and waiting.
     pub covered: Option<f64>,
+    /// A frame over its steps that trace rays, in the median over frames.
+    pub over_tracing: Option<f64>,
     /// Time of a frame whose steps are timed over that of one whose steps are not: frames took turns.
     pub overhead: Interval,
 }
@@ -207,6 +211,7 @@ impl Profile {
         let frame = &self.frame;
         let of_frame = [
             ("frame", Some(&frame.wall_ms)),
+            ("timed frame", Some(&frame.timed_ms)),
             ("steps of the frame", frame.steps_ms.as_ref()),
             ("tracing of the frame", frame.tracing_ms.as_ref()),
         ];

@@ -53,7 +53,7 @@ pub fn savings(
             not_measured: None,
         })
         .collect();
-    let Some((backend, frames)) = measure else {
+    let Some((backend, frames)) = measure.filter(|(_, frames)| *frames > 0) else {
         return Ok(all);
     };
     let left_out = all.iter().filter(|saving| !saving.need.present).count() as u32;

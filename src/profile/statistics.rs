@@ -2,7 +2,7 @@
 use crate::statistics::{moments, quantile, student};
 use serde::{Deserialize, Serialize};
 
-/// A figure over frames of several runs.
+/// A figure over frames of several runs, milliseconds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Median over all frames.
@@ -36,14 +36,18 @@ impl Figure {
 }
 
 impl Figure {
-    /// The geometric mean of the medians of runs that have any; 0 where none has.
+    /// Whether every run took some time.
+    pub(super) fn took_time(&self) -> bool {
+        !self.of_runs.is_empty() && self.of_runs.iter().all(|ms| *ms > 0.0)
+    }
+
+    /// The geometric mean of the runs' medians, or the median where one of them is zero.
     pub(super) fn mean_of_runs(&self) -> f64 {
-        let above = self.of_runs.iter().filter(|ms| **ms > 0.0);
-        let logs: Vec<f64> = above.map(|ms| ms.ln()).collect();
-        match logs.is_empty() {
-            true => 0.0,
-            false => moments(&logs).0.exp(),
+        if !self.took_time() {
+            return self.median;
         }
+        let logs: Vec<f64> = self.of_runs.iter().map(|ms| ms.ln()).collect();
+        moments(&logs).0.exp()
     }
 
     /// What is wrong with it where its median is none of frames of runs with such medians, all with as many frames: it lies

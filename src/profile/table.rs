@@ -55,9 +55,9 @@ fn heading(profile: &Profile) -> String {
     let frame = &profile.frame;
     let mut text = format!(
         "{} on {} ({}): {width}x{height}, {} of {} after {}\n",
-        profile.scene,
+        printable(&profile.scene),
         profile.backend,
-        profile.device,
+        printable(&profile.device),
         counted(profile.runs, "run"),
         counted(profile.frames, "frame"),
         profile.warm_up,
@@ -67,7 +67,8 @@ fn heading(profile: &Profile) -> String {
     let _ = match (&frame.steps_ms, frame.covered) {
         (Some(steps), Some(covered)) => writeln!(
             text,
-            "; its steps {:.2} ms, {:.1} % of it; timing them costs {}",
+            "; while its steps are timed {:.2} ms, and they {:.2} ms, {:.1} % of it; timing costs {}",
+            frame.timed_ms.median,
             steps.median,
             covered * 100.0,
             percent(&frame.overhead)
@@ -77,12 +78,11 @@ fn heading(profile: &Profile) -> String {
     if frame.overhead.bounds.is_some_and(|[low, _]| low > MUCH) {
         text += "timing takes a part of these short steps that counts; larger pictures and more rays make it smaller\n";
     }
-    if let Some(tracing) = frame.tracing_ms.as_ref().filter(|ms| ms.median > 0.0) {
+    if let (Some(tracing), Some(over)) = (&frame.tracing_ms, frame.over_tracing) {
         let _ = writeln!(
             text,
-            "tracing rays takes {:.2} ms; the frame takes {:.2} times that",
+            "tracing rays takes {:.2} ms; a frame takes {over:.2} times what its own does",
             tracing.median,
-            wall.median / tracing.median
         );
     }
     let memory = &profile.memory;
@@ -157,6 +157,7 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
             Verdict::Noise => "",
             Verdict::Unknown => "too few runs to tell",
             Verdict::TooShort => "too short to tell",
+            Verdict::Nothing => "took nothing in a run",
             Verdict::NotTimed => "not timed",
             Verdict::New => "new",
             Verdict::Gone => "gone",
@@ -177,6 +178,14 @@ pub fn comparison_table(comparison: &Comparison, runs: [u32; 2]) -> String {
             text,
             "What is not alike, above, may be part of every ratio and verdict."
         );
+    }
+    if comparison
+        .frame
+        .ratio
+        .is_some_and(|ratio| ratio.bounds.is_none())
+    {
+        text += "Of fewer than three runs before or now there are no intervals, and nothing is called faster or slower: raise --runs.\n";
+        return text;
     }
     let _ = writeln!(
         text,

@@ -40,9 +40,11 @@ fn profile(frame: &[f64], stages: &[(&str, &[f64])]) -> Profile {
         warm_up: 0,
         frame: FrameCost {
             wall_ms: figure(frame),
+            timed_ms: figure(frame),
             steps_ms: Some(figure(frame)),
             tracing_ms: None,
             covered: Some(1.0),
+            over_tracing: None,
             overhead: Interval {
                 ratio: 1.0,
                 bounds: None,
@@ -280,6 +282,21 @@ fn what_is_slower_than_the_noise_is_told() {
     for (before, verdict) in [(0.001, Verdict::TooShort), (0.02, Verdict::Faster)] {
         assert_eq!(of_tiny(&tiny(0.009), &tiny(before)), verdict);
     }
+    // Of what took nothing in a run there is no ratio, whatever the others say.
+    let some = |of_runs: &[f64]| profile(&[1.0; 3], &[("tiny", of_runs)]);
+    for (now, before) in [
+        (some(&[5.0; 3]), some(&[0.0; 3])),
+        (some(&[0.0; 3]), some(&[5.0; 3])),
+        (some(&[9.0; 5]), some(&[0.0, 0.0, 0.5, 0.5, 0.5])),
+    ] {
+        assert_eq!(of_tiny(&now, &before), Verdict::Nothing);
+    }
+    let all = compare(&some(&[1.0; 3]), &some(&[0.0, 0.0, 500.0])).stages;
+    let change = all
+        .iter()
+        .find(|change| change.name == "apply/tiny")
+        .unwrap();
+    assert_eq!((change.before_ms, change.ratio), (Some(0.0), None));
     // Of what a device has not timed nothing is known, however long it takes.
     let mut untimed = tiny(0.5);
     untimed.stages[0].cost.ms = None;

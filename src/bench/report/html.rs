@@ -42,7 +42,7 @@ so that whatever else the machine did fell on all of them; path tracing ran afte
 the first row had up to that frame. <i>The same error</i> is what they need to be as right as the first row.\
 <li>Where equal rays or an equal time were missed, the name of the row says how much of it was taken: samples are whole, so that a large one may miss by much, and \
 times are noisy.\
-<li>A dot behind a name means that nothing measured has a smaller MAPE in no more time (the Pareto front).</ul></details>";
+<li>A dot behind a name means that nothing measured has a smaller MAPE in no more time, or the same in less (the Pareto front).</ul></details>";
 
 /// The report as one HTML file that needs nothing else and runs no script.
 pub fn html(report: &BenchReport) -> String {

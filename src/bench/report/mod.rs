@@ -14,7 +14,7 @@ pub use table::{equal_error_table, table};
 
 use super::{EqualError, Pictures, Row};
 use crate::backends::NotRun;
-use crate::compare::{MaskCounts, Metrics};
+use crate::compare::{MaskCounts, Metrics, is_other_view};
 use crate::words::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -109,7 +109,8 @@ pub struct AboutTruth {
     pub noise: Option<Metrics>,
     /// Its pixels: those that errors are of, and those left out.
     pub mask: MaskCounts,
-    /// How many of those that errors are of show another surface than the scene does, where that makes the truth doubtful.
+    /// How many of those that errors are of show another surface than the scene does; `None` where that is not known, as of a truth without
+    /// depths, and of one that was path-traced here.
     pub elsewhere: Option<usize>,
 }
 
@@ -177,10 +178,11 @@ impl AboutTruth {
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
             text += &format!(", {count} left out ({what})");
         }
-        if let Some(elsewhere) = self.elsewhere {
-            text += &format!(
-                "; {elsewhere} show another surface in the truth: is it of this scene and view?"
-            );
+        if let Some(elsewhere) = self.elsewhere.filter(|count| *count > 0) {
+            text += &format!("; {elsewhere} show another surface in the truth");
+            if is_other_view([elsewhere, mask.valid]) {
+                text += ": is it of this scene and view?";
+            }
         }
         text
     }

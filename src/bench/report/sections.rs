@@ -18,13 +18,20 @@ pub(super) fn pictures(body: &mut String, measured: &Measured) {
     if let Some(look) = &pictures.look
         && let Some(address) = photo(&look.picture, measured.exposure)
     {
-        let samples = match look.samples {
-            Some(samples) => format!(", path-traced with {samples} samples of every pixel"),
-            None => String::new(),
+        let samples = match (look.samples, &measured.truth.file) {
+            // A file is the truth; what is drawn in its place is not.
+            (Some(samples), Some(file)) => format!(
+                "<b>To look at</b>: path-traced here with {samples} samples of every pixel; errors are against {}",
+                escaped(file)
+            ),
+            (Some(samples), None) => {
+                format!("<b>Truth</b>, path-traced with {samples} samples of every pixel")
+            }
+            (None, _) => "<b>Truth</b>".to_owned(),
         };
         let _ = write!(
             body,
-            "<div class=grid><figure><img class=photo alt=\"truth\" src=\"{address}\"><figcaption><b>Truth</b>{samples}</figcaption>\
+            "<div class=grid><figure><img class=photo alt=\"truth\" src=\"{address}\"><figcaption>{samples}</figcaption>\
              </figure><div class=\"beside why\"><p>Below: pictures of the first seed, and their relative errors at the pixels of the \
              truth.<br>Black is none, the brightest {:.0} % and more, grey is not compared: \
              <span class=ramp style=\"background:linear-gradient(90deg,{})\"></span></div></div>",

@@ -59,12 +59,15 @@ pub fn left_of_before(folder: &Path, written: &BTreeSet<PathBuf>) -> usize {
 
 /// How names of files begin: the scene's name, with a number where an earlier scene has the same, and the backend.
 pub fn stem(scenes: &[String], index: usize, backend: &str) -> String {
-    let own = scene_name(&scenes[index]);
-    let earlier = scenes[..index].iter();
-    match earlier.filter(|scene| scene_name(scene) == own).count() {
-        0 => format!("{own}-{backend}"),
-        earlier => format!("{own}-{}-{backend}", earlier + 1),
+    // Each takes the first name that none before has.
+    let mut names: Vec<String> = Vec::new();
+    for scene in &scenes[..=index] {
+        let own = scene_name(scene);
+        let numbered = (2..).map(|n| format!("{own}-{n}"));
+        let mut free = std::iter::once(own.clone()).chain(numbered);
+        names.extend(free.find(|name| !names.contains(name)));
     }
+    format!("{}-{backend}", names.last().map_or("", String::as_str))
 }
 
 /// The command line, with quotes where a shell needs them; the program by its name alone.

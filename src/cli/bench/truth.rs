@@ -4,7 +4,7 @@ use crate::bench::{AboutTruth, Look, Target, Truth, TruthCache};
 use crate::cli::CommandError;
 use crate::cli::compare::noise_of;
 use crate::cli::output::{progress, warning};
-use crate::cli::run::warn_of_truth;
+use crate::cli::run::elsewhere;
 use crate::compare::CompareOptions;
 use gibs_graph::Backend;
 
@@ -37,7 +37,7 @@ impl Held {
             elsewhere: None,
         };
         if let Some(path) = &args.truth {
-            about.elsewhere = warn_of_truth(first, loaded, truth.picture(), path);
+            about.elsewhere = elsewhere(first, loaded, truth.picture(), path)?;
             if let Some([half_a, half_b]) = args.halves.as_deref() {
                 let options = CompareOptions::default();
                 let noise = noise_of([half_a, half_b], truth.picture(), path, &options)?;

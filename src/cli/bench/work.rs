@@ -45,20 +45,30 @@ impl Work<'_> {
                 Err(error) => {
                     report.failed.push(failed(scene, None, &error));
                     failures.add(error);
-                    self.write(report)?;
+                    if let Err(error) = self.write(report) {
+                        failures.add(error);
+                    }
                     continue;
                 }
             };
             for backend in self.backends {
-                match self.on(index, backend.as_ref(), &held, written) {
-                    Ok(measured) => report.measured.push(measured),
+                match self.on(index, backend.as_ref(), &held) {
+                    Ok(measured) => {
+                        report.measured.push(measured);
+                        // What cannot be written was measured all the same.
+                        for error in self.draw(index, report, &held, written) {
+                            failures.add(error);
+                        }
+                    }
                     Err(error) => {
                         let on = Some(backend.name().to_owned());
                         report.failed.push(failed(scene, on, &error));
                         failures.add(error);
                     }
                 }
-                self.write(report)?;
+                if let Err(error) = self.write(report) {
+                    failures.add(error);
+                }
             }
         }
         failures.first()
@@ -84,33 +94,50 @@ impl Work<'_> {
         }
     }
 
-    /// Measures a scene on one backend, and writes its plots and pictures.
+    /// Measures a scene on one backend.
     fn on(
         &self,
         index: usize,
         backend: &dyn Backend,
         held: &Held,
-        written: &mut BTreeSet<PathBuf>,
     ) -> Result<Measured, CommandError> {
-        let args = self.args;
         let target = self.target(index, backend);
-        let mut measured = measure(&target, held, self.options, &args.scenes[index])?;
+        let mut measured = measure(&target, held, self.options, &self.args.scenes[index])?;
         measured.exposure = target.view.exposure;
         measured.pictures.look = held.look.clone();
-        if !args.json {
+        if !self.args.json {
             let tables = bench::table(&measured.rows);
             let equal = bench::equal_error_table(&measured.equal_error);
             say!("{}\n\n{tables}\n{equal}", bench::heading(&measured));
         }
-        if let Some(folder) = &args.report {
-            let stem = files::stem(&args.scenes, index, backend.name());
-            written.extend(files::write_plots(folder, &stem, &measured)?);
-            if args.pictures {
-                let written_now = measured.pictures.write(folder, &stem, &held.truth)?;
-                written.extend(written_now);
+        Ok(measured)
+    }
+
+    /// Writes the plots and pictures of what was measured last; gives what failed.
+    fn draw(
+        &self,
+        index: usize,
+        report: &BenchReport,
+        held: &Held,
+        written: &mut BTreeSet<PathBuf>,
+    ) -> Vec<CommandError> {
+        let (Some(folder), Some(measured)) = (&self.args.report, report.measured.last()) else {
+            return Vec::new();
+        };
+        let stem = files::stem(&self.args.scenes, index, &measured.backend);
+        let mut all = vec![files::write_plots(folder, &stem, measured)];
+        if self.args.pictures {
+            let pictures = measured.pictures.write(folder, &stem, &held.truth);
+            all.push(pictures.map_err(CommandError::from));
+        }
+        let mut errors = Vec::new();
+        for done in all {
+            match done {
+                Ok(paths) => written.extend(paths),
+                Err(error) => errors.push(error),
             }
         }
-        Ok(measured)
+        errors
     }
 }
 

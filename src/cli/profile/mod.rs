@@ -14,7 +14,6 @@ use crate::profile::{
     Comparison, FORMAT, Options, Profile, ProfileError, Saving, TimedFrame, beside, chrome_trace,
     compare, comparison_table, measure, saving_table, savings, signed_bytes, table,
 };
-use crate::words::scene_name;
 use gibs_graph::{Backend, Schedule};
 use gibs_passes::frame::{Screen, Settings};
 use live::Live;
@@ -143,9 +142,6 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
     if all.is_empty() {
         return failures.first();
     }
-    if let Some(path) = &args.trace {
-        write_trace(path, gi.schedule(), &all)?;
-    }
     if args.json {
         let profiles = all.iter().map(|measured| PrintedProfile {
             profile: &measured.profile,
@@ -166,6 +162,11 @@ pub fn run(args: &Args) -> Result<(), CommandError> {
         let profiles: Vec<&Profile> = all.iter().map(|measured| &measured.profile).collect();
         say!("{}", beside(&profiles));
     }
+    if let Some(path) = &args.trace
+        && let Err(error) = write_trace(path, gi.schedule(), &all)
+    {
+        failures.add(error);
+    }
     failures.first()
 }
 
@@ -178,6 +179,9 @@ fn measured(
     old: Option<(&Path, &[Profile])>,
 ) -> Result<Measured, CommandError> {
     let (profile, frames) = profile(backend, args, loaded, settings)?;
+    if !args.json {
+        say!("{}", table(&profile, args.steps));
+    }
     let needs = savings_of(backend, gi, args, loaded)?;
     let compared = match old {
         Some((path, old)) => Some((path, before(path, old, &profile.backend)?)),
@@ -185,7 +189,6 @@ fn measured(
     };
     let against = compared.map(|(_, before)| compare(&profile, before));
     if !args.json {
-        say!("{}", table(&profile, args.steps));
         say!("{}", told(&needs, args.why));
         if let Some(((path, before), comparison)) = compared.zip(against.as_ref()) {
             say!(
@@ -220,7 +223,7 @@ fn profile(
     let mut live = Live::new(backend.name());
     let measured = measure(
         backend,
-        (&scene_name(&args.scene.scene), &loaded.scene),
+        (&args.scene.scene, &loaded.scene),
         &loaded.view,
         settings,
         &options,
@@ -259,7 +262,10 @@ fn told(needs: &[Saving], why: bool) -> String {
     let told: Vec<String> = left_out
         .map(|need| format!("{} ({})", need.name, signed_bytes(need.bytes)))
         .collect();
-    format!("left out: {}; --why measures the time\n", told.join(", "))
+    match told.is_empty() {
+        true => "nothing is left out\n".into(),
+        false => format!("left out: {}; --why measures the time\n", told.join(", ")),
+    }
 }
 
 /// The older profile of the same backend; where the file has only one, that one.
