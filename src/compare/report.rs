@@ -78,7 +78,8 @@ impl Report {
         self.non_finite.anywhere == 0
     }
 
-    /// As [`other_view`](super::other_view).
+    /// Pixels that show another surface, and how many are compared, where those make the pictures [of other
+    /// views](super::is_other_view).
     pub fn other_view(&self) -> Option<[usize; 2]> {
         super::many(self.elsewhere?, self.mask.valid)
     }
