@@ -5,6 +5,7 @@
 mod bench;
 mod graph;
 mod guiding;
+mod kept;
 mod page;
 mod profile;
 mod program;
